@@ -209,9 +209,7 @@ impl Body {
     fn is_pressed_otherwise(&self, held_by: f64) -> bool {
         let least_s = (REST_AFTER_S * 2_f64.powi(self.rest.restless)).min(REST_AT_MOST_S);
         let more = self.rest.mean_force / held_by - 1.0;
-        self.rest.rested_s >= least_s
-            && more.abs() > CHANGE
-            && self.bends_by(more) > self.tolerance
+        self.rest.rested_s >= least_s && more.abs() > CHANGE && self.bends_by(more) > self.tolerance
     }
 
     /// Lets modes rest once they have been slow for long enough.

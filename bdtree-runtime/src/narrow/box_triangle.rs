@@ -182,24 +182,35 @@ fn nearest_face(y: [f64; 3], half: [f64; 3]) -> Face {
 /// that piece of the triangle.
 fn deepest(tri: &Triangle, half: [f64; 3]) -> ([f64; 3], Face) {
     let below = |axis: usize, sign: f64| tri.map(|corner| half[axis] - sign * corner[axis]);
+    let faces = [
+        (0, 1.0),
+        (0, -1.0),
+        (1, 1.0),
+        (1, -1.0),
+        (2, 1.0),
+        (2, -1.0),
+    ];
+    let depths = faces.map(|(axis, sign)| below(axis, sign));
     let mut best = ([1.0, 0.0, 0.0], nearest_face(tri[0], half));
-    for axis in 0..3 {
-        for sign in [1.0, -1.0] {
-            let own = below(axis, sign);
-            // A triangle has three vertices, and each of five cuts adds one.
-            let mut piece = Polygon::<8>::triangle();
-            for other in 0..3 {
-                for other_sign in [1.0, -1.0] {
-                    let farther = sub(below(other, other_sign), own);
-                    // Cuts that rounding makes too many are left out: the piece is larger then.
-                    piece = piece.clipped(farther).unwrap_or(piece);
-                }
+    'faces: for own in depths {
+        // A triangle has three vertices, and each of five cuts adds one.
+        let mut piece = Polygon::<8>::triangle();
+        for other in depths {
+            let farther = sub(other, own);
+            // Most triangles lie below one face of a large box: nothing is left below the others, and nothing is cut there.
+            if farther.iter().all(|x| *x < 0.0) {
+                continue 'faces;
             }
-            for &weights in piece.vertices() {
-                let face = nearest_face(combine(tri, weights), half);
-                if face.depth > best.1.depth {
-                    best = (weights, face);
-                }
+            if farther.iter().all(|x| *x >= 0.0) {
+                continue;
+            }
+            // Cuts that rounding makes too many are left out: the piece is larger then.
+            piece = piece.clipped(farther).unwrap_or(piece);
+        }
+        for &weights in piece.vertices() {
+            let face = nearest_face(combine(tri, weights), half);
+            if face.depth > best.1.depth {
+                best = (weights, face);
             }
         }
     }
