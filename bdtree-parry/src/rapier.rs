@@ -158,7 +158,7 @@ impl FlexibleBodies {
                 Some(frame) => {
                     body.settle([frame.linvel(), frame.angvel()], step_s);
                 }
-                None => body.stop(),
+                None => body.stop(step_s),
             }
             // rapier may find a frame slow long before its modes are where a load bends them.
             if body.is_settling()
@@ -308,8 +308,9 @@ impl FlexibleBodies {
 }
 
 impl Body {
-    /// No mode moves any more.
-    fn stop(&mut self) {
+    /// No mode moves in this step.
+    fn stop(&mut self, step_s: f64) {
+        self.rest_on(step_s);
         for [_, rate] in &mut self.state {
             *rate = 0.0;
         }

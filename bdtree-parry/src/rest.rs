@@ -16,11 +16,14 @@ const PATIENCE_S: f64 = 2.0;
 /// Two bodies that are wedged into each other may bend each other to and fro without end, and keep a heap awake. So modes that
 /// another force makes go on within so many seconds are restless: each time halves their patience, and doubles how long they rest
 /// at least, whatever presses on the body, from [`REST_AFTER_S`] on...
-const SOON_S: f64 = 5.0;
+const SOON_S: f64 = 10.0;
 
 /// ...to so many seconds, which is more than rapier takes to send a heap to sleep, and no longer than a load that changes all the
 /// time should wait.
-const REST_AT_MOST_S: f64 = 2.0;
+const REST_AT_MOST_S: f64 = 4.0;
+
+/// A frame does not sleep before its modes have gone on to where another force bends them, unless they are more restless than this.
+const WAITS: i32 = 2;
 
 /// Contacts of slow bodies are looked for anew every so many seconds: those that follow a surface stay where they were on it, also
 /// where it slides over an edge. A beam with a load of 2 kg came to rest 3 mm from its balance without, and 2 mm with. Not of those
@@ -145,7 +148,9 @@ impl Body {
     /// Whether forces may still be bending it to where they hold it: its frame should not sleep before.
     pub(super) fn is_settling(&self) -> bool {
         let may_rest = !self.modes.is_empty() && self.rest.speed > 0.0;
-        may_rest && self.rest.is_held() && !self.rests()
+        let is_waiting = self.rest.restless <= WAITS
+            && (self.rest.held_by).is_some_and(|held_by| self.is_pressed_otherwise(held_by));
+        may_rest && self.rest.is_held() && (!self.rests() || is_waiting)
     }
 
     /// Lets modes rest where they are on average, or go on, by how fast the frame, whose linear and angular velocity these are,
@@ -154,12 +159,13 @@ impl Body {
         self.average(velocity, step_s);
         let is_hit = self.rest.meet(step_s, self.mass);
         if let Some(held_by) = self.rest.held_by {
-            self.rest.rested_s += step_s;
+            self.rest_on(step_s);
             let is_free = is_hit || self.is_let_go(velocity, step_s);
-            let is_pressed = self.is_pressed_otherwise(held_by);
-            if is_hit || self.rest.rested_s >= SOON_S {
+            let least_s = (REST_AFTER_S * 2_f64.powi(self.rest.restless)).min(REST_AT_MOST_S);
+            let is_pressed = self.rest.rested_s >= least_s && self.is_pressed_otherwise(held_by);
+            if is_hit {
                 self.rest.restless = 0;
-            } else if is_pressed && !is_free {
+            } else if is_pressed && !is_free && self.rest.rested_s < SOON_S {
                 self.rest.restless += 1;
             }
             if is_free || is_pressed {
@@ -172,6 +178,14 @@ impl Body {
             for mode in &mut self.modes {
                 mode.share = 1.0;
             }
+        }
+    }
+
+    /// Counts a step in which modes stay where they are, at rest or since the frame sleeps.
+    pub(super) fn rest_on(&mut self, step_s: f64) {
+        self.rest.rested_s += step_s;
+        if self.rest.rested_s >= SOON_S {
+            self.rest.restless = 0;
         }
     }
 
@@ -204,12 +218,11 @@ impl Body {
         is_fast || self.rest.slow_s <= 0.0
     }
 
-    /// Whether modes that rest, held by this force, have rested long enough to go on, and what presses on the body has become
-    /// another force, which bends it by more than the tolerance.
+    /// Whether what presses on a body whose modes rest, held by this force, has become another force, which bends it by more than
+    /// the tolerance.
     fn is_pressed_otherwise(&self, held_by: f64) -> bool {
-        let least_s = (REST_AFTER_S * 2_f64.powi(self.rest.restless)).min(REST_AT_MOST_S);
         let more = self.rest.mean_force / held_by - 1.0;
-        self.rest.rested_s >= least_s && more.abs() > CHANGE && self.bends_by(more) > self.tolerance
+        more.abs() > CHANGE && self.bends_by(more) > self.tolerance
     }
 
     /// Lets modes rest once they have been slow for long enough.

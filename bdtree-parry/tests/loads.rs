@@ -161,3 +161,42 @@ fn a_beam_follows_its_load() {
     let off = bridge.off(0.0);
     assert!(off < TOLERANCE, "{off}");
 }
+
+/// Modes that a force bends to and fro, every second, go on less and less often. Once they have rested for long enough they
+/// follow their load at once.
+#[test]
+fn a_beam_that_is_pressed_to_and_fro_comes_to_rest() {
+    const MORE_KG: f64 = 1.5;
+    let mut bridge = Bridge::new(1.0, 120);
+    bridge.run(4.0);
+    let press = |bridge: &mut Bridge, is_pressed: bool| {
+        let load = &mut bridge.world.bodies[bridge.load];
+        load.reset_forces(true);
+        if is_pressed {
+            load.add_force(Vector::new(0.0, -9.81 * MORE_KG as Real, 0.0), true);
+        }
+    };
+    // The share of steps in which modes moved, of each four seconds.
+    let mut shares = Vec::new();
+    for _ in 0..8 {
+        let mut moving = 0;
+        for second in 0..4 {
+            press(&mut bridge, second % 2 == 0);
+            for _ in 0..120 {
+                bridge.run(1.0 / 120.0);
+                let energy = bridge.flexible.modal_kinetic_energy(bridge.collider);
+                moving += i32::from(energy.expect("a body") > 0.0);
+            }
+        }
+        shares.push(f64::from(moving) / 480.0);
+    }
+    let late = shares[4..].iter().sum::<f64>() / 4.0;
+    assert!(shares[0] > 0.2 && late < 0.1, "{shares:?}");
+    press(&mut bridge, true);
+    bridge.run(10.0);
+    let load = &mut bridge.world.bodies[bridge.load];
+    load.set_translation(Vector::new(5.0, 0.0, 0.0), true);
+    bridge.run(4.0);
+    let off = bridge.off(0.0);
+    assert!(off < TOLERANCE, "{off}");
+}
