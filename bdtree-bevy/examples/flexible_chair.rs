@@ -1,14 +1,14 @@
-//! A flexible chair among rigid boxes, under avian or rapier:
+//! A flexible chair among rigid boxes, or that stops a ball, under avian or rapier:
 //!
 //! ```text
-//! cargo run --features avian --example flexible_chair [-- CHAIR.bdt]
-//! cargo run --features rapier --example flexible_chair [-- CHAIR.bdt]
+//! cargo run --features avian --example flexible_chair [-- [ball] [CHAIR.bdt]]
+//! cargo run --features rapier --example flexible_chair [-- [ball] [CHAIR.bdt]]
 //! ```
 //!
-//! Four boxes fall on a chair and around it. It prints what happens in four seconds of simulated time and writes
-//! `target/bevy/flexible_chair_avian.png` or `…_rapier.png`. Without a file it bakes the chair of the fixtures, coarsely and of a
-//! soft plastic, so that its legs give way. With both features avian moves the bodies; the word `rapier` among the arguments
-//! has rapier do it.
+//! Four boxes fall on a chair and around it, or with the word `ball` a ball on its seat. It prints what happens in four seconds of
+//! simulated time and writes a picture, for example `target/bevy/flexible_chair_avian.png` or `…_avian_ball.png`. Without a file
+//! it bakes the chair of the fixtures, coarsely and of a soft plastic, so that its legs give way. With both features avian moves
+//! the bodies; the word `rapier` among the arguments has rapier do it.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -31,6 +31,9 @@ use support::picture::Picture;
 /// Half of a box's edge.
 pub(crate) const HALF: f32 = 0.08;
 
+/// Angular damping of the ball, 1/s: the seat slopes.
+const ROLLS_NOT: f32 = 10.0;
+
 /// Steps of 1/64 s, one a frame.
 const STEPS: usize = 64 * 4;
 
@@ -41,6 +44,16 @@ const STARTS: [[f32; 3]; 4] = [
     [0.5, 0.4, 0.1],
     [0.48, 0.7, 0.12],
 ];
+
+/// Where the ball starts: over the seat.
+const BALL_START: Vec3 = Vec3::new(0.02, 0.9, 0.0);
+
+/// What falls on the chair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Falling {
+    Boxes,
+    Ball,
+}
 
 /// What differs between engines of rigid bodies.
 pub(crate) trait Engine {
@@ -56,13 +69,17 @@ pub(crate) trait Engine {
 
     /// A cube of 2 kg with edges of twice [`HALF`].
     fn cube(&self, world: &mut World, at: Transform) -> Entity;
+
+    /// A ball of 3 kg with a radius of [`HALF`], which does not roll for long.
+    fn ball(&self, world: &mut World, at: Transform) -> Entity;
 }
 
 /// The scene's bodies.
 pub(crate) struct Scene {
     /// Has a `DeformingMesh`.
     pub(crate) chair: Entity,
-    pub(crate) boxes: Vec<Entity>,
+    /// Boxes, or a ball.
+    pub(crate) fallen: Vec<Entity>,
 }
 
 // Not run where tests include this file as a module.
@@ -81,10 +98,12 @@ pub(crate) fn main() -> ExitCode {
 #[allow(dead_code)]
 fn start() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = None;
+    let mut falling = Falling::Boxes;
     let mut engines = engines();
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             name @ ("avian" | "rapier") => engines.retain(|engine| engine.name() == name),
+            "ball" => falling = Falling::Ball,
             path => file = Some(Model::read(path)?),
         }
     }
@@ -94,10 +113,19 @@ fn start() -> Result<(), Box<dyn std::error::Error>> {
     let file = file.unwrap_or_else(chair);
     println!("under {}", engine.name());
     let mut tell = |line: &str| println!("{line}");
-    let (_, _, picture) = run(&file, &**engine, &mut tell);
-    let name = format!("flexible_chair_{}", engine.name());
-    println!("{}", picture.save(&name).display());
+    let (_, _, picture) = run(&file, &**engine, falling, &mut tell);
+    println!("{}", picture.save(&name(&**engine, falling)).display());
     Ok(())
+}
+
+/// What its picture is called.
+pub(crate) fn name(engine: &dyn Engine, falling: Falling) -> String {
+    let what = if falling == Falling::Ball {
+        "_ball"
+    } else {
+        ""
+    };
+    format!("flexible_chair_{}{what}", engine.name())
 }
 
 /// The chair of the fixtures, baked coarsely, of a soft plastic: its legs give way under two boxes.
@@ -125,6 +153,7 @@ fn engines() -> Vec<Box<dyn Engine>> {
 pub(crate) fn run(
     file: &Model,
     engine: &dyn Engine,
+    falling: Falling,
     tell: &mut dyn FnMut(&str),
 ) -> (App, Scene, Picture) {
     let mut app = support::app(480, 360, &support::models::folder());
@@ -133,7 +162,7 @@ pub(crate) fn run(
     let step = Duration::from_secs(1) / 64;
     app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
     support::start(&mut app);
-    let scene = build(app.world_mut(), file, engine);
+    let scene = build(app.world_mut(), file, engine, falling);
     for second in 0..=STEPS / 64 {
         if second > 0 {
             support::run_undrawn(&mut app, 64);
@@ -148,8 +177,8 @@ pub(crate) fn run(
     (app, scene, picture)
 }
 
-/// A chair on the ground, which is the plane y = 0, boxes above it, light and a camera.
-fn build(world: &mut World, file: &Model, engine: &dyn Engine) -> Scene {
+/// A chair on the ground, which is the plane y = 0, what falls above it, light and a camera.
+fn build(world: &mut World, file: &Model, engine: &dyn Engine, falling: Falling) -> Scene {
     let eye = Vec3::new(1.3, 0.9, 1.7);
     support::camera(world, eye, Vec3::new(0.15, 0.35, 0.0));
     support::sun(world, Vec3::new(1.0, 3.0, 1.5));
@@ -162,16 +191,26 @@ fn build(world: &mut World, file: &Model, engine: &dyn Engine) -> Scene {
     let chair = engine.chair(world, mesh, Transform::from_xyz(0.0, 0.01, 0.0));
     let wood = support::material(world, WOOD);
     world.entity_mut(chair).insert(wood);
-    let boxes = (0..).zip(STARTS).map(|(k, at)| {
-        let turn = Quat::from_rotation_y(0.4 * k as f32);
-        let at = Transform::from_translation(Vec3::from_array(at)).with_rotation(turn);
-        let body = engine.cube(world, at);
-        let look = support::solid(world, cube(), BLUE);
-        world.entity_mut(body).insert(look);
-        body
-    });
-    let boxes = boxes.collect();
-    Scene { chair, boxes }
+    let fallen = match falling {
+        Falling::Ball => {
+            let body = engine.ball(world, Transform::from_translation(BALL_START));
+            let look = support::solid(world, ball(), BLUE);
+            world.entity_mut(body).insert(look);
+            vec![body]
+        }
+        Falling::Boxes => {
+            let each = (0..).zip(STARTS).map(|(k, at)| {
+                let turn = Quat::from_rotation_y(0.4 * k as f32);
+                let at = Transform::from_translation(Vec3::from_array(at)).with_rotation(turn);
+                let body = engine.cube(world, at);
+                let look = support::solid(world, cube(), BLUE);
+                world.entity_mut(body).insert(look);
+                body
+            });
+            each.collect()
+        }
+    };
+    Scene { chair, fallen }
 }
 
 pub(crate) const WOOD: Color = Color::srgb(0.75, 0.5, 0.3);
@@ -183,17 +222,22 @@ pub(crate) fn cube() -> Mesh {
     bevy_shape::Cuboid::new(edge, edge, edge).into()
 }
 
-/// Heights of the boxes and the largest coordinate of the chair.
+/// What the ball looks like.
+pub(crate) fn ball() -> Mesh {
+    bevy_shape::Sphere::new(HALF).into()
+}
+
+/// Heights of what falls and the largest coordinate of the chair.
 fn state(app: &App, scene: &Scene) -> String {
     let height = |entity: &Entity| {
         let at = app.world().get::<Transform>(*entity);
         format!("{:.3}", at.map_or(f32::NAN, |at| at.translation.y))
     };
-    let heights: Vec<String> = scene.boxes.iter().map(height).collect();
+    let heights: Vec<String> = scene.fallen.iter().map(height).collect();
     let q = app.world().get::<Deformation>(scene.chair);
     let largest = q.map_or(0.0, |pose| pose.q.iter().fold(0.0, |m, q| q.abs().max(m)));
     let heights = heights.join(", ");
-    format!("boxes at {heights} m, largest |q| {largest:.5}")
+    format!("at {heights} m, largest |q| {largest:.5}")
 }
 
 #[cfg(feature = "avian")]
@@ -243,6 +287,18 @@ pub(crate) mod avian {
             ));
             cube.id()
         }
+
+        fn ball(&self, world: &mut World, at: Transform) -> Entity {
+            let ball = world.spawn((
+                RigidBody::Dynamic,
+                Collider::sphere(HALF),
+                Mass(3.0),
+                Friction::new(0.8),
+                AngularDamping(ROLLS_NOT),
+                at,
+            ));
+            ball.id()
+        }
     }
 }
 
@@ -283,6 +339,17 @@ pub(crate) mod rapier {
                 ColliderBuilder::cuboid(HALF, HALF, HALF)
                     .mass(2.0)
                     .friction(0.5),
+            );
+            world.spawn((RapierBody::from(body), at)).id()
+        }
+
+        fn ball(&self, world: &mut World, at: Transform) -> Entity {
+            let mut physics = world.resource_mut::<RapierWorld>();
+            let (body, _) = physics.world.insert(
+                RigidBodyBuilder::dynamic()
+                    .translation(at.translation)
+                    .angular_damping(ROLLS_NOT),
+                ColliderBuilder::ball(HALF).mass(3.0).friction(0.8),
             );
             world.spawn((RapierBody::from(body), at)).id()
         }

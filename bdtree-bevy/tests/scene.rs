@@ -12,10 +12,11 @@ use bevy_camera::visibility::NoFrustumCulling;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_mesh::{Mesh, Mesh3d};
+use bevy_time::TimeUpdateStrategy;
 use bevy_transform::components::Transform;
 
 use crate::drawing::{Body, deformed_mesh};
-use flexible_chair::{Engine, HALF, Scene, support};
+use flexible_chair::{Engine, Falling, HALF, Scene, support};
 
 /// Two boxes lie on the deformed chair or on each other there, two beside it; they are drawn where the engine has them, and
 /// the chair as the processor deforms it.
@@ -25,10 +26,10 @@ fn assert_boxes_rest(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) 
     let mut lines = Vec::new();
     let mut tell = |line: &str| lines.push(line.to_string());
     let chair = flexible_chair::chair();
-    let (mut app, scene, found) = flexible_chair::run(&chair, engine, &mut tell);
-    let name = format!("flexible_chair_{}", engine.name());
+    let (mut app, scene, found) = flexible_chair::run(&chair, engine, Falling::Boxes, &mut tell);
+    let name = flexible_chair::name(engine, Falling::Boxes);
     found.save(&name);
-    let places: Vec<Transform> = scene.boxes.iter().map(|at| place(&app, *at)).collect();
+    let places: Vec<Transform> = scene.fallen.iter().map(|at| place(&app, *at)).collect();
     let heights: Vec<f32> = places.iter().map(|at| at.translation.y).collect();
     assert!(heights.iter().all(|y| *y > HALF - 0.01), "{lines:?}");
     assert!(heights[0] > 0.45 && heights[1] > 0.45, "{lines:?}");
@@ -81,6 +82,31 @@ fn assert_touches_deformed(app: &App, scene: &Scene, at: Transform) {
     );
 }
 
+/// A ball lies on the deformed chair, a few millimeters deep at most, and is still there a second later.
+fn assert_ball_rests(engine: &dyn Engine, place: fn(&App, Entity) -> Transform) {
+    let mut lines = Vec::new();
+    let mut tell = |line: &str| lines.push(line.to_string());
+    let chair = flexible_chair::chair();
+    let (mut app, scene, found) = flexible_chair::run(&chair, engine, Falling::Ball, &mut tell);
+    found.save(&flexible_chair::name(engine, Falling::Ball));
+    let deformation = app.world().get::<Deformation>(scene.chair).unwrap();
+    let is_bent = deformation.q.iter().any(|q| q.abs() > 1e-4);
+    assert!(is_bent, "{lines:?}");
+    let before = place(&app, scene.fallen[0]).translation;
+    let step = std::time::Duration::from_secs(1) / 64;
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    support::run_undrawn(&mut app, 64);
+    let after = place(&app, scene.fallen[0]).translation;
+    assert!(after.distance(before) < 0.02, "{after}: {lines:?}");
+    let instance = app.world().get::<DeformedInstance>(scene.chair).unwrap();
+    let triangles = oracle::deformed_triangles(&instance.instance.snapshot());
+    let at = after.to_array().map(f64::from);
+    let (_, distance) = oracle::closest(&triangles, at, 1.0).unwrap();
+    let gap = distance - f64::from(HALF);
+    // On the seat, and not beside the chair.
+    assert!(gap.abs() < 0.005 && after.y > 0.45, "{gap}: {lines:?}");
+}
+
 /// The same scene of plain meshes: the chair that the processor deformed, and cubes at these places.
 fn drawn_anew(
     app: &mut App,
@@ -89,7 +115,7 @@ fn drawn_anew(
     places: &[Transform],
 ) -> support::picture::Picture {
     let world = app.world_mut();
-    for entity in scene.boxes.iter().chain([&scene.chair]) {
+    for entity in scene.fallen.iter().chain([&scene.chair]) {
         world.despawn(*entity);
     }
     let mesh = world
@@ -106,24 +132,42 @@ fn drawn_anew(
 }
 
 #[cfg(feature = "avian")]
+fn avian_place(app: &App, body: Entity) -> Transform {
+    use avian3d::prelude::{Position, Rotation};
+    let at = app.world().get::<Position>(body).unwrap();
+    let turn = app.world().get::<Rotation>(body).unwrap();
+    Transform::from_translation(at.0).with_rotation(turn.0)
+}
+
+#[cfg(feature = "avian")]
 #[test]
 fn boxes_rest_on_a_chair_under_avian() {
-    use avian3d::prelude::{Position, Rotation};
-    assert_boxes_rest(&flexible_chair::avian::Avian, |app, body| {
-        let at = app.world().get::<Position>(body).unwrap();
-        let turn = app.world().get::<Rotation>(body).unwrap();
-        Transform::from_translation(at.0).with_rotation(turn.0)
-    });
+    assert_boxes_rest(&flexible_chair::avian::Avian, avian_place);
+}
+
+#[cfg(feature = "avian")]
+#[test]
+fn a_chair_stops_a_ball_under_avian() {
+    assert_ball_rests(&flexible_chair::avian::Avian, avian_place);
+}
+
+#[cfg(feature = "rapier")]
+fn rapier_place(app: &App, body: Entity) -> Transform {
+    use bdtree_bevy::rapier::{RapierBody, RapierWorld};
+    let own = app.world().get::<RapierBody>(body).unwrap();
+    let world = &app.world().resource::<RapierWorld>().world;
+    let at = world.bodies.get(own.body).unwrap().position();
+    Transform::from_translation(at.translation).with_rotation(at.rotation)
 }
 
 #[cfg(feature = "rapier")]
 #[test]
 fn boxes_rest_on_a_chair_under_rapier() {
-    use bdtree_bevy::rapier::{RapierBody, RapierWorld};
-    assert_boxes_rest(&flexible_chair::rapier::Rapier, |app, body| {
-        let own = app.world().get::<RapierBody>(body).unwrap();
-        let world = &app.world().resource::<RapierWorld>().world;
-        let at = world.bodies.get(own.body).unwrap().position();
-        Transform::from_translation(at.translation).with_rotation(at.rotation)
-    });
+    assert_boxes_rest(&flexible_chair::rapier::Rapier, rapier_place);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_chair_stops_a_ball_under_rapier() {
+    assert_ball_rests(&flexible_chair::rapier::Rapier, rapier_place);
 }
