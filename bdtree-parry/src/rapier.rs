@@ -164,6 +164,7 @@ impl FlexibleBodies {
             if body.is_settling()
                 && let Some(frame) = frames_of.get(handle)
                 && let Some(frame) = frames.get_mut(*frame)
+                && !frame.is_sleeping()
             {
                 frame.activation_mut().time_since_can_sleep = 0.0;
             }

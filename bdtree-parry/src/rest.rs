@@ -26,8 +26,8 @@ const REST_AT_MOST_S: f64 = 4.0;
 const WAITS: i32 = 2;
 
 /// Contacts of slow bodies are looked for anew every so many seconds: those that follow a surface stay where they were on it, also
-/// where it slides over an edge. A beam with a load of 2 kg came to rest 3 mm from its balance without, and 2 mm with. Not of those
-/// that are restless: each time shakes what is wedged.
+/// where it slides over an edge. A beam with a load of 2 kg came to rest 3 mm from its balance without, and 2 mm with. Contacts of
+/// those that are restless are not: each time shakes what is wedged.
 const RENEW_S: f64 = 0.1;
 
 /// They go on when they are faster than this multiple of that speed, or pressed by this multiple of the average force: neighbors

@@ -103,7 +103,7 @@ pub(crate) const GAP_FAR_LOST: f64 = 1.0 / (1_u64 << 50) as f64;
 pub(crate) const BUDGET_FAR: f64 = 1.0 - 1.0 / (1_u64 << 48) as f64;
 
 /// 2⁻⁴⁰, for anything that takes a few dozen roundings of f64: far more than they lose. "Boxes and gaps of
-/// triangles", `Budget`, `beyond_four`, `NearSegment`, `root_sphere`, proxies and the broad phase.
+/// triangles", `WorldFour`, `nearest_points`, `Budget`, `beyond_four`, `NearSegment`, `root_sphere`, proxies and the broad phase.
 pub(crate) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// `Placement::error`: 2⁻⁴⁴ of the magnitudes that enter the f64 maps. Forming Q from

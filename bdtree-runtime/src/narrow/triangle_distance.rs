@@ -9,7 +9,7 @@ use super::point_triangle::closest_weights;
 use super::triangle_triangle::triangles_intersect;
 use super::{Triangle, combine};
 use crate::math::{add_scaled, clamp, cross, dot, sqrt, sub};
-use crate::rounding::{MARGIN, NORMAL_EQUATIONS, TOUCHING_GAP};
+use crate::rounding::{BOXES_APART, MARGIN, NORMAL_EQUATIONS, TOUCHING_GAP};
 
 /// The nearest points of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,9 +78,11 @@ pub(super) fn distance_of<const CORNERS: usize>(
     limit: f64,
 ) -> PairDistance {
     let edges_of_a = if CORNERS == 2 { 1 } else { 3 };
-    // Above the squares of all distances up to the limit.
+    // Above the squares of all distances that are computed as up to the limit, also where boxes say a little more.
+    let reach = limit + BOXES_APART * span(a, b);
     let mut best = Candidate {
-        squared: limit * limit * (1.0 + MARGIN) + f64::MIN_POSITIVE,
+        // NaN is no bound.
+        squared: f64::INFINITY.min(reach * reach * (1.0 + MARGIN) + f64::MIN_POSITIVE),
         weights: [[1.0, 0.0, 0.0]; 2],
     };
     let mut enough = 0.0;
@@ -117,6 +119,17 @@ pub(super) fn distance_of<const CORNERS: usize>(
         barycentric1,
         barycentric2,
     }
+}
+
+/// Returns how long the box of both is.
+fn span(a: &Triangle, b: &Triangle) -> f64 {
+    let of = |k: usize| {
+        let (p, q) = (a.map(|x| x[k]), b.map(|x| x[k]));
+        let low = p[0].min(p[1]).min(p[2]).min(q[0]).min(q[1]).min(q[2]);
+        let high = p[0].max(p[1]).max(p[2]).max(q[0]).max(q[1]).max(q[2]);
+        high - low
+    };
+    of(0).max(of(1)).max(of(2))
 }
 
 /// Returns the square of 4 u L: what a computed gap between touching triangles may well be.

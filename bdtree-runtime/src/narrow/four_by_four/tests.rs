@@ -2,7 +2,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::{PLANES_FROM, Triangle, WorldFour};
-use crate::narrow::triangle_distance;
+use crate::narrow::{nearest_points, triangle_distance};
 use crate::simd::Quad;
 use crate::simd::quad::Array4;
 
@@ -48,15 +48,22 @@ fn near_pairs_stay_and_most_others_go() {
         let b = [0; 4].map(|_| triangle(&mut r, offset, size));
         let (fours_a, fours_b) = (four(&a), four(&b));
         for (i, a) in a.iter().enumerate() {
-            let distances = b.map(|b| triangle_distance(a, &b).distance);
-            for (j, distance) in distances.into_iter().enumerate() {
+            let nearest = b.map(|b| triangle_distance(a, &b));
+            for (j, nearest) in nearest.into_iter().enumerate() {
+                let (distance, touching) = (nearest.distance, nearest.distance == 0.0);
                 // Just at it, a little beyond it, or below it by half.
                 for tolerance in [distance, distance.next_up(), distance / 1.5] {
                     let left = fours_a.near::<Array4>(i, &fours_b, tolerance);
                     let is_left = left >> j & 1 != 0;
+                    // A search that ends at the tolerance finds the same, or nothing within it.
+                    let found = nearest_points(a, &b[j], touching, tolerance);
                     if distance <= tolerance {
+                        assert_eq!(found, nearest);
                         assert!(is_left, "{a:?} {:?} at {distance}, {tolerance}", b[j]);
-                    } else if tolerance >= PLANES_FROM && size == 1.0 {
+                        continue;
+                    }
+                    assert!(found.distance > tolerance);
+                    if tolerance >= PLANES_FROM && size == 1.0 {
                         far += 1;
                         left_out += u32::from(!is_left);
                     }

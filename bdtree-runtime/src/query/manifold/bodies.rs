@@ -108,7 +108,13 @@ impl Bodies<'_, '_> {
             let (a, b) = self.triangles(pair)?;
             let meeting = triangle_distance(&a.map(|x| add_scaled(x, dist, normal)), &b);
             (barycentric1, barycentric2) = (meeting.barycentric1, meeting.barycentric2);
-            (point1, point2) = (combine(&a, barycentric1), combine(&b, barycentric2));
+            point1 = combine(&a, barycentric1);
+            // Without depth they share the point.
+            point2 = if dist < 0.0 {
+                combine(&b, barycentric2)
+            } else {
+                point1
+            };
         }
         let place1 = Place {
             point: point1,

@@ -70,11 +70,13 @@ pub(super) fn sorted_once<'p>(
     }
     order.sort_unstable();
     for i in 0..pairs.len() {
-        // What was there went where an earlier one came from.
+        // What was before i went to where that came from.
         let mut from = order[i].pair as usize;
         while from < i {
             from = order[from].pair as usize;
         }
+        // Where what was here is now: chains stay short.
+        order[i].pair = from as u32;
         pairs.swap(i, from);
     }
     let mut kept = 0;
