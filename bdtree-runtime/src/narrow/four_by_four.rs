@@ -88,6 +88,20 @@ impl WorldFour {
         corners
     }
 
+    /// The corners of all four.
+    #[inline(always)]
+    fn triangles<Q: Quad>(&self) -> [Quad3<Q>; 3] {
+        let [a, b, c] = &self.corners;
+        [load3(a), load3(b), load3(c)]
+    }
+
+    /// The corners of triangle `k`, below 4, four times.
+    #[inline(always)]
+    fn one_triangle<Q: Quad>(&self, k: usize) -> [Quad3<Q>; 3] {
+        let [a, b, c] = &self.corners;
+        [one3(a, k), one3(b, k), one3(c, k)]
+    }
+
     /// The triangles whose boxes meet that of all of `others`.
     #[inline(always)]
     pub(crate) fn meeting<Q: Quad>(&self, others: &Self) -> u8 {
@@ -123,16 +137,7 @@ impl WorldFour {
         }
         let mut left = Q::bits(meet) & others.fair;
         if left != 0 {
-            let mine = [
-                one3(&self.corners[0], k),
-                one3(&self.corners[1], k),
-                one3(&self.corners[2], k),
-            ];
-            let theirs = [
-                load3(&others.corners[0]),
-                load3(&others.corners[1]),
-                load3(&others.corners[2]),
-            ];
+            let (mine, theirs) = (self.one_triangle(k), others.triangles());
             let zero = Q::splat(0.0);
             let (normal, size) = (one3(&self.normal, k), one3(&self.size, k));
             left &= !beside::<Q>(mine[0], normal, size, &theirs, zero);
@@ -167,16 +172,7 @@ impl WorldFour {
         let mut left = Q::bits(near) & others.fair;
         if left != 0 && tolerance >= PLANES_FROM {
             let reach = Q::splat(tolerance).add(widest.mul(Q::splat(BOXES_APART)));
-            let mine = [
-                one3(&self.corners[0], k),
-                one3(&self.corners[1], k),
-                one3(&self.corners[2], k),
-            ];
-            let theirs = [
-                load3(&others.corners[0]),
-                load3(&others.corners[1]),
-                load3(&others.corners[2]),
-            ];
+            let (mine, theirs) = (self.one_triangle(k), others.triangles());
             let (normal, size) = (one3(&self.normal, k), one3(&self.size, k));
             left &= !far_beside::<Q>(mine[0], normal, size, &theirs, reach);
             if left != 0 {
@@ -206,11 +202,7 @@ impl WorldFour {
         if near & 15 == 0 {
             return 0;
         }
-        let corners: [Quad3<Q>; 3] = [
-            load3(&self.corners[0]),
-            load3(&self.corners[1]),
-            load3(&self.corners[2]),
-        ];
+        let corners: [Quad3<Q>; 3] = self.triangles();
         // A corner that is near settles it at a fifth of the arithmetic.
         let limit = Q::splat(reach * reach * (1.0 - 4.0 * MARGIN));
         let p = splat3::<Q>(point);

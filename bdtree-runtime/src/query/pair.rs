@@ -62,6 +62,9 @@ pub(super) fn normals(
 
 pub(super) struct Contacts<'s> {
     pub(super) tolerance: f64,
+    /// Whether normals are asked for, and points of triangles that touch: [`manifolds`](super::manifold::manifolds) looks at the
+    /// points of the others alone.
+    pub(super) is_complete: bool,
     pub(super) sink: &'s mut (dyn Sink<PairContact> + 's),
 }
 
@@ -79,62 +82,26 @@ impl PairVisitor for Contacts<'_> {
         if !touching && self.tolerance == 0.0 {
             return ControlFlow::Continue(());
         }
-        let nearest = nearest_points(corners1, corners2, touching, self.tolerance);
-        if nearest.distance > self.tolerance {
-            return ControlFlow::Continue(());
-        }
         let mut contact = PairContact {
-            triangle1,
-            triangle2,
-            point1: nearest.point1,
-            point2: nearest.point2,
-            normal1: [0.0; 3],
-            normal2: [0.0; 3],
-            distance: nearest.distance,
-            barycentric1: nearest.barycentric1,
-            barycentric2: nearest.barycentric2,
-        };
-        [contact.normal1, contact.normal2] = normals(&contact, corners1, corners2);
-        self.sink.push(contact)
-    }
-}
-
-/// Pairs for [`manifolds`](super::manifold::manifolds), which looks at the points of those alone that do not touch.
-pub(super) struct Members<'s> {
-    pub(super) tolerance: f64,
-    pub(super) sink: &'s mut (dyn Sink<PairContact> + 's),
-}
-
-impl PairVisitor for Members<'_> {
-    fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    fn triangles(
-        &mut self,
-        [triangle1, triangle2]: [TriangleId; 2],
-        [corners1, corners2]: [&Triangle; 2],
-    ) -> ControlFlow<()> {
-        let mut member = PairContact {
             triangle1,
             triangle2,
             distance: 0.0,
             ..PairContact::EMPTY
         };
-        if !triangles_intersect(corners1, corners2) {
-            if self.tolerance == 0.0 {
-                return ControlFlow::Continue(());
-            }
-            let nearest = nearest_points(corners1, corners2, false, self.tolerance);
+        if self.is_complete || !touching {
+            let nearest = nearest_points(corners1, corners2, touching, self.tolerance);
             if nearest.distance > self.tolerance {
                 return ControlFlow::Continue(());
             }
-            member.distance = nearest.distance;
-            (member.point1, member.point2) = (nearest.point1, nearest.point2);
-            member.barycentric1 = nearest.barycentric1;
-            member.barycentric2 = nearest.barycentric2;
+            contact.distance = nearest.distance;
+            (contact.point1, contact.point2) = (nearest.point1, nearest.point2);
+            contact.barycentric1 = nearest.barycentric1;
+            contact.barycentric2 = nearest.barycentric2;
         }
-        self.sink.push(member)
+        if self.is_complete {
+            [contact.normal1, contact.normal2] = normals(&contact, corners1, corners2);
+        }
+        self.sink.push(contact)
     }
 }
 

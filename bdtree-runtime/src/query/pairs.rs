@@ -6,7 +6,7 @@ use super::budget::{Budget, Budgeted, queue_len};
 use super::distance::closest_points;
 use super::front::PairFront;
 use super::manifold::{ContactManifold, ManifoldSlot, manifolds};
-use super::pair::{Contacts, Ids, Members, tolerance, walk};
+use super::pair::{Contacts, Ids, tolerance, walk};
 use super::side::Side;
 use super::single::{BUDGET_AND_LEVEL, First, Query};
 use core::ops::ControlFlow;
@@ -152,6 +152,7 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         let tolerance = tolerance(prediction)?;
         self.walk(&mut Contacts {
             tolerance,
+            is_complete: true,
             sink: out,
         })
     }
@@ -304,8 +305,9 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
             let found = self.workspace.memory.slots::<u8>(needed)?.len();
             let (pairs, stack) = self.workspace.memory.two_slots([room, stack])?;
             let mut sink = SliceSink::new(pairs);
-            let mut visitor = Members {
+            let mut visitor = Contacts {
                 tolerance,
+                is_complete: false,
                 sink: &mut sink,
             };
             let walk = walk_sides(&mut self.sides, &mut self.front, stack, &mut visitor)?;
@@ -315,8 +317,9 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
             }
             if !grows {
                 let mut count = Counted(0);
-                let mut visitor = Members {
+                let mut visitor = Contacts {
                     tolerance,
+                    is_complete: false,
                     sink: &mut count,
                 };
                 walk_sides(&mut self.sides, &mut self.front, stack, &mut visitor)?;
