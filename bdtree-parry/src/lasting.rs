@@ -14,11 +14,29 @@ use super::shape::DeformingMesh;
 /// Pairs that a body remembers at most.
 const PAIRS: usize = 64;
 
+/// How far shapes may move against each other until contacts are looked for anew.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Drift {
+    /// World units.
+    Way(Real),
+    /// World units, or more where both shapes are large: times the radius of the smaller one.
+    OfSmaller { least: Real, share: Real },
+}
+
+impl Drift {
+    /// World units, for two shapes of these radii.
+    fn between(self, radius: [Real; 2]) -> Real {
+        match self {
+            Self::Way(way) => way,
+            Self::OfSmaller { least, share } => least.max(share * radius[0].min(radius[1])),
+        }
+    }
+}
+
 /// What the meshes of one body at different q have in common: the contacts that it has.
 #[derive(Debug)]
 pub(super) struct Lasting {
-    /// How far shapes may move against each other until contacts are looked for anew, world units.
-    drift: Real,
+    drift: Drift,
     /// How often contacts have been forgotten.
     epoch: AtomicU32,
     pairs: Mutex<Vec<Pair>>,
@@ -112,7 +130,7 @@ impl Other {
 }
 
 impl Lasting {
-    pub(super) fn new(drift: Real) -> Self {
+    pub(super) fn new(drift: Drift) -> Self {
         Self {
             drift,
             epoch: AtomicU32::new(0),
@@ -177,15 +195,25 @@ impl<'a> Both<'a> {
         prediction: Real,
         manifolds: &mut [ContactManifold<M, C>],
     ) -> bool {
+        let spheres = self
+            .shapes
+            .map(|shape| shape.compute_local_bounding_sphere());
+        let drift = self
+            .memory
+            .drift
+            .between([0, 1].map(|side| spheres[side].radius));
+        let reach = spheres
+            .each_ref()
+            .map(|sphere| sphere.center.length() + sphere.radius);
         let is_near = |pair: &Pair| {
             // Where nothing was found, something may be there after half the way.
             let limit = match pair.points.is_empty() {
-                true => self.memory.drift.min(0.5 * pair.prediction),
-                false => self.memory.drift,
+                true => drift.min(0.5 * pair.prediction),
+                false => drift,
             };
             pair.epochs == self.epochs()
                 && prediction <= 2.0 * pair.prediction
-                && self.moved(pair, pos12) <= limit
+                && self.moved(pair, pos12, reach) <= limit
         };
         let Some(pair) = self.memory.take(&self.other, is_near) else {
             return false;
@@ -253,12 +281,8 @@ impl<'a> Both<'a> {
     }
 
     /// No point of the smaller shape has moved farther against the other one, nor any point of either in its own frame, together.
-    fn moved(&self, pair: &Pair, pos12: &Pose) -> Real {
-        let radius = self.shapes.map(|shape| {
-            let sphere = shape.compute_local_bounding_sphere();
-            sphere.center.length() + sphere.radius
-        });
-        let (was, is) = match radius[0] < radius[1] {
+    fn moved(&self, pair: &Pair, pos12: &Pose, reach: [Real; 2]) -> Real {
+        let (was, is) = match reach[0] < reach[1] {
             true => (pair.pos12.inverse(), pos12.inverse()),
             false => (pair.pos12, *pos12),
         };
@@ -271,7 +295,7 @@ impl<'a> Both<'a> {
             .zip(&pair.q)
             .map(|(mesh, q)| mesh.map_or(0.0, |mesh| mesh.moved_since(q)))
             .sum();
-        way + chord * radius[0].min(radius[1]) + deformed
+        way + chord * reach[0].min(reach[1]) + deformed
     }
 
     fn anchor(&self, side: usize, id: u32, point: Vector) -> Anchor {

@@ -3,6 +3,7 @@
 use bdtree_dynamics::{Damping, Oscillator, StrainLimit, Transition};
 use bdtree_runtime::TriangleId;
 
+use super::lasting::Drift;
 use super::parry::math::{Real, Vector};
 use super::parry::query::PointQueryWithLocation;
 use super::points::{wide, with_workspace};
@@ -37,10 +38,11 @@ const SMALL: f64 = 0.1;
 /// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
 const TOLERANCE: f64 = 5e-3;
 
-/// How far a body and what it touches may move against each other until contacts are looked for anew, in the same unit. Four
-/// heaps of flexible chairs took less than half of the time that they take with 0; legs were at most 6 cm inside other chairs, and
-/// 4 cm with 0.
-const CONTACT_DRIFT: f64 = 0.02;
+/// How far a body and what it touches may move against each other until contacts are looked for anew: times the radius of the body,
+/// or of the smaller of the two, whichever is more. Heaps of chairs take half of the time that they take with 0, and are as deep in
+/// each other to within a tenth (docs/guide/rapier.md). What is small next to the body could pass through a thin part of it unseen.
+const CONTACT_DRIFT: Real = 0.02;
+const DRIFT_OF_SMALLER: Real = 0.05;
 
 /// Seconds after which half of what a body has stored is forgotten.
 const STORE_HALF_LIFE_S: f64 = 0.25;
@@ -62,8 +64,9 @@ pub struct FlexibleOptions {
     /// 5e-3 of the radius of its bounding sphere.
     pub tolerance: Option<f64>,
     /// The contacts of the body follow its surface until it may have moved by this against what it touches, world units,
-    /// deformation included: see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere; 0 to
-    /// look for contacts whenever it has deformed. rapier itself keeps contacts of bodies that have moved by up to 5 cm.
+    /// deformation included: see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere, or 0.05
+    /// of the smaller radius of the two if that is more; 0 to look for contacts whenever it has deformed. rapier itself keeps contacts
+    /// of bodies that have moved by up to 5 cm.
     pub contact_drift: Option<f64>,
     /// Modes rest once something holds the body, no point of it is faster than this on average, world units per second, and no
     /// load bends it any further: q stays until the body is hit, pressed harder or let go. Default 0.2, four times the speed
@@ -149,10 +152,13 @@ impl Body {
     ) -> Result<Self, ShapeError> {
         let mesh = DeformingMesh::at_rest(model)?;
         let radius = f64::from(mesh.sphere().radius);
-        let drift = options.contact_drift.unwrap_or(CONTACT_DRIFT * radius);
-        let mesh = match drift > 0.0 {
-            true => mesh.with_lasting_contacts(drift as Real)?,
-            false => mesh,
+        let mesh = match options.contact_drift {
+            None => mesh.with_drift(Drift::OfSmaller {
+                least: CONTACT_DRIFT * radius as Real,
+                share: DRIFT_OF_SMALLER,
+            })?,
+            Some(way) if way > 0.0 => mesh.with_lasting_contacts(way as Real)?,
+            Some(_) => mesh,
         };
         let modes = match options.is_deformable {
             true => modes(model, options)?,

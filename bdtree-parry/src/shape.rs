@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bdtree_runtime::{CacheSize, Instance, Pose as RuntimePose, TriangleId};
 
-use super::lasting::Lasting;
+use super::lasting::{Drift, Lasting};
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::mass_properties::MassProperties;
 use super::parry::math::{Real, Vector};
@@ -54,6 +54,14 @@ impl DeformingMesh {
     /// # Errors
     /// A damaged asset.
     pub fn with_lasting_contacts(&self, drift: Real) -> Result<Self, ShapeError> {
+        self.with_drift(Drift::Way(drift))
+    }
+
+    /// The same, by a rule.
+    ///
+    /// # Errors
+    /// As above.
+    pub(super) fn with_drift(&self, drift: Drift) -> Result<Self, ShapeError> {
         if self.model().model().asset().has_skin() {
             return Ok(self.clone());
         }
