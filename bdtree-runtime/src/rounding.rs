@@ -149,6 +149,9 @@ pub(crate) const ALONG_LEAST: f32 = 1.0 / (1_u64 << 40) as f32;
 /// `Boxes::spheres`: 32u B, for centers of boxes, which may be farther from the origin than B.
 pub(crate) const BOX_CENTER: f64 = 32.0 * U32;
 
+/// `Boxes::around`: 4u of center and radius, for a sphere's least and greatest coordinates in f32.
+pub(crate) const BOX_AROUND: f32 = 1.0 / (1 << 22) as f32;
+
 /// `Boxes::spheres`: 1 + 2⁻²⁰, for half of a box's diagonal in f32.
 pub(crate) const BOX_RADIUS: f32 = 1.0 + 1.0 / (1 << 20) as f32;
 

@@ -37,6 +37,7 @@ mod normals;
 mod on_vertices;
 mod pairs;
 mod queries;
+mod refined_branches;
 mod refined_parts;
 mod refusals;
 mod sharing;

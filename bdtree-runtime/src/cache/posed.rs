@@ -9,7 +9,7 @@ use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
-use crate::refined::Refined;
+use crate::refined::{Branches, Refined};
 use crate::simd::{Lanes, Work, prefetch, prefetch_from};
 use crate::view::Asset;
 
@@ -22,6 +22,8 @@ pub(crate) struct Posed<'s> {
     pub(crate) limit: Option<DepthLimit<'s>>,
     /// The same pose, refined; not for walks that report spheres.
     pub(crate) refined: Option<Refined<'s>>,
+    /// Branches of it that are refined, and what is above them; for walks that ask boxes.
+    pub(crate) branches: Option<(Refined<'s>, Branches<'s>)>,
 }
 
 impl<'s> Posed<'s> {
@@ -40,6 +42,7 @@ impl<'s> Posed<'s> {
             kept,
             limit,
             refined: None,
+            branches: None,
         }
     }
 }
@@ -63,6 +66,7 @@ impl<'s> Posed<'s> {
             kept: self.kept,
             limit: self.limit.map(DepthLimit::shorter),
             refined: self.refined,
+            branches: self.branches,
         }
     }
 
@@ -105,7 +109,13 @@ impl Posed<'_> {
             kept: self.kept.again(),
             limit: self.limit.as_mut().map(DepthLimit::again),
             refined: self.refined,
+            branches: (self.branches.as_mut()).map(|(refined, of)| (*refined, of.again())),
         }
+    }
+
+    /// Whether walks that ask boxes find some.
+    pub(crate) fn has_boxes(&self) -> bool {
+        self.refined.is_some() || self.branches.is_some()
     }
 
     /// No deformed vertex and no lane center is farther from the origin, not where the spheres are

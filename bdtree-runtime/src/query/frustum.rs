@@ -36,9 +36,7 @@ pub(super) fn state(
     let mut walk = Walk {
         nodes_visited: 1,
         nodes_updated: 1,
-        triangles: 0,
-        gain: 0,
-        stopped: false,
+        ..Walk::default()
     };
     if state != FrustumState::Intersects {
         return Ok((state, walk));

@@ -29,7 +29,7 @@ pub(super) fn first(
     ray: &Ray,
     stack: &mut [StackEntry],
 ) -> Result<(Option<RayIntersection>, Walk), QueryError> {
-    let Some(line) = Line::new(posed.pose, ray, posed.refined.is_some())? else {
+    let Some(line) = Line::new(posed.pose, ray, posed.has_boxes())? else {
         return Ok((None, Walk::default()));
     };
     let mut visitor = First::new(line);
@@ -46,7 +46,7 @@ pub(super) fn any(
     ray: &Ray,
     stack: &mut [StackEntry],
 ) -> Result<(bool, Walk), QueryError> {
-    let Some(line) = Line::new(posed.pose, ray, posed.refined.is_some())? else {
+    let Some(line) = Line::new(posed.pose, ray, posed.has_boxes())? else {
         return Ok((false, Walk::default()));
     };
     let mut visitor = First {
@@ -68,7 +68,7 @@ pub(super) fn all(
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<RayIntersection>,
 ) -> Result<Walk, QueryError> {
-    let Some(line) = Line::new(posed.pose, ray, posed.refined.is_some())? else {
+    let Some(line) = Line::new(posed.pose, ray, posed.has_boxes())? else {
         return Ok(Walk::default());
     };
     let mut visitor = All { line, sink };

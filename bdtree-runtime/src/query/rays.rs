@@ -1,6 +1,6 @@
 //! Many rays against one posed asset.
 
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 
 use super::ray::{self, First};
 use crate::cache::Posed;
@@ -8,67 +8,69 @@ use crate::contact::{RayIntersection, Sink};
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::shape::Ray;
-use crate::traverse::{Questions, RefinedTree, StackEntry, Walk, stream};
+use crate::traverse::{Mixed, Questions, StackEntry, Walk, stream};
 
-/// [`ray::first`] for each of `rays`: `hits[i]` becomes the first hit of ray i.
+/// [`ray::first`] for some of `rays`: `hits[i]` becomes the first hit of ray i.
 ///
 /// # Errors
 /// As [`ray::first`] for any of the rays, and fewer hits than rays; what was written before stays.
 pub(super) fn first(
-    posed: Posed<'_>,
+    mut posed: Posed<'_>,
     rays: &[Ray],
+    some: Range<usize>,
     stack: &mut [StackEntry],
     hits: &mut [Option<RayIntersection>],
 ) -> Result<Walk, QueryError> {
-    if let Some(tree) = refined(&posed) {
+    let (rays, hits) = both(rays, hits, some)?;
+    if let Some(tree) = Mixed::of(&mut posed) {
         return together(tree, rays, stack, hits, false, |first| first.best);
     }
     each(posed, rays, hits, |posed, r| ray::first(posed, r, stack))
 }
 
-/// [`ray::any`] for each of `rays`: `hits[i]` becomes whether ray i meets a triangle.
+/// [`ray::any`] for some of `rays`: `hits[i]` becomes whether ray i meets a triangle.
 ///
 /// # Errors
 /// As [`first`].
 pub(super) fn any(
-    posed: Posed<'_>,
+    mut posed: Posed<'_>,
     rays: &[Ray],
+    some: Range<usize>,
     stack: &mut [StackEntry],
     hits: &mut [bool],
 ) -> Result<Walk, QueryError> {
-    if let Some(tree) = refined(&posed) {
+    let (rays, hits) = both(rays, hits, some)?;
+    if let Some(tree) = Mixed::of(&mut posed) {
         return together(tree, rays, stack, hits, true, First::is_met);
     }
     each(posed, rays, hits, |posed, r| ray::any(posed, r, stack))
 }
 
-/// The refined pose, where walks use it.
-fn refined<'s>(posed: &Posed<'s>) -> Option<RefinedTree<'s>> {
-    let refined = posed.refined.filter(|_| posed.limit.is_none())?;
-    let pose = posed.pose;
-    Some(RefinedTree { pose, refined })
-}
-
-fn enough<T>(rays: &[Ray], hits: &[T]) -> Result<(), QueryError> {
-    match hits.len() < rays.len() {
-        true => Err(QueryError::Argument("hits: fewer than rays")),
-        false => Ok(()),
-    }
+/// Some of the rays and their hits.
+fn both<'h, 'r, T>(
+    rays: &'r [Ray],
+    hits: &'h mut [T],
+    some: Range<usize>,
+) -> Result<(&'r [Ray], &'h mut [T]), QueryError> {
+    let hits = hits
+        .get_mut(..rays.len())
+        .and_then(|hits| hits.get_mut(some.clone()));
+    let both = rays.get(some).zip(hits);
+    both.ok_or(QueryError::Argument("hits: fewer than rays"))
 }
 
 /// Casts rays in streams; the default is the answer of those that miss the whole asset.
 #[inline(always)]
 fn together<T: Default>(
-    tree: RefinedTree<'_>,
+    tree: Mixed<'_>,
     rays: &[Ray],
     stack: &mut [StackEntry],
     hits: &mut [T],
     is_any: bool,
     answer: impl Fn(&First) -> T,
 ) -> Result<Walk, QueryError> {
-    enough(rays, hits)?;
     let mut streamed = Streamed {
-        pose: tree.pose,
+        pose: tree.pose(),
         rays: rays.iter().enumerate(),
         is_any,
         put: |number: usize, first: Option<&First>| {
@@ -114,7 +116,6 @@ fn each<T>(
     hits: &mut [T],
     mut cast: impl FnMut(Posed<'_>, &Ray) -> Result<(T, Walk), QueryError>,
 ) -> Result<Walk, QueryError> {
-    enough(rays, hits)?;
     let mut all = Walk::default();
     for (r, hit) in rays.iter().zip(hits) {
         let (found, walk) = cast(posed.again(), r)?;
@@ -124,7 +125,7 @@ fn each<T>(
     Ok(all)
 }
 
-/// [`ray::all`] for each of `rays`: every hit with the number of its ray, ray after ray. A full sink
+/// [`ray::all`] for some of `rays`: every hit with the number of its ray, ray after ray. A full sink
 /// ends it.
 ///
 /// # Errors
@@ -132,11 +133,13 @@ fn each<T>(
 pub(super) fn all(
     mut posed: Posed<'_>,
     rays: &[Ray],
+    some: Range<usize>,
     stack: &mut [StackEntry],
     sink: &mut dyn Sink<(usize, RayIntersection)>,
 ) -> Result<Walk, QueryError> {
     let mut all = Walk::default();
-    for (index, r) in rays.iter().enumerate() {
+    let first = some.start;
+    for (index, r) in (first..).zip(rays.get(some).unwrap_or_default()) {
         let mut numbered = Numbered { index, sink };
         let walk = ray::all(posed.again(), r, stack, &mut numbered)?;
         all.add(&walk);

@@ -5,7 +5,7 @@ use crate::depth::Proxies;
 use crate::epoch::Drift;
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::refined::{Refine, Refined, RefinedPose};
+use crate::refined::{Bounds, Refine, Refined, RefinedPose};
 use crate::traverse::Walk;
 
 /// A pose and how it is looked at.
@@ -83,19 +83,35 @@ impl<'q> Side<'q> {
         let limit = self.limit.as_mut().map(Proxies::limit);
         let mut posed = Posed::new(&self.pose, self.drift, self.kept.again(), limit);
         if walks > 0 && posed.limit.is_none() && self.drift.is_none() {
-            posed.refined = match (self.refined, &mut self.refining) {
-                (None, Some(refining)) => refining.before(&self.pose, walks),
-                (given, _) => given,
-            };
+            posed.refined = self.refined;
+            if posed.refined.is_none()
+                && let Some(refining) = &mut self.refining
+            {
+                match refining.before(&self.pose, walks) {
+                    Bounds::Unrefined => {}
+                    Bounds::Whole(refined) => posed.refined = Some(refined),
+                    Bounds::Some(refined, branches) => posed.branches = Some((refined, branches)),
+                }
+            }
         }
         Ok(posed)
     }
 
     /// After walks of this mesh alone.
     #[inline]
-    pub(super) fn note(&mut self, walk: &Walk) {
+    pub(super) fn note(&mut self, walk: &Walk, walks: usize) {
         if let Some(refining) = &mut self.refining {
-            refining.after(walk);
+            refining.after(walk, walks);
+        }
+    }
+
+    /// Of so many walks, how many to do before the next: [`Refine::batch`].
+    pub(super) fn batch(&mut self, walks: usize) -> usize {
+        match &mut self.refining {
+            Some(refining) if !self.is_stale && self.refined.is_none() => {
+                refining.batch(&self.pose, walks)
+            }
+            _ => walks,
         }
     }
 

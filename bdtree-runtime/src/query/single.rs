@@ -1,6 +1,6 @@
 //! Queries of one mesh.
 
-use core::ops::ControlFlow;
+use core::ops::{ControlFlow, Range};
 
 use super::budget::{Budget, Budgeted, BudgetedContacts, queue_len};
 use super::side::Side;
@@ -226,8 +226,8 @@ impl<'q, 'm> Query<'q, 'm> {
         rays: &[Ray],
         hits: &mut [Option<RayIntersection>],
     ) -> Result<(), QueryError> {
-        self.walk_for(rays.len(), |posed, stack| {
-            Ok(((), rays::first(posed, rays, stack, hits)?))
+        self.walk_for(rays.len(), |some, posed, stack| {
+            rays::first(posed, rays, some, stack, hits)
         })?;
         self.settled((), false)
     }
@@ -237,8 +237,8 @@ impl<'q, 'm> Query<'q, 'm> {
     /// # Errors
     /// Those of [`Query::cast_rays`].
     pub fn intersects_rays(&mut self, rays: &[Ray], hits: &mut [bool]) -> Result<(), QueryError> {
-        self.walk_for(rays.len(), |posed, stack| {
-            Ok(((), rays::any(posed, rays, stack, hits)?))
+        self.walk_for(rays.len(), |some, posed, stack| {
+            rays::any(posed, rays, some, stack, hits)
         })?;
         self.settled((), false)
     }
@@ -252,10 +252,10 @@ impl<'q, 'm> Query<'q, 'm> {
         rays: &[Ray],
         out: &mut impl Sink<(usize, RayIntersection)>,
     ) -> Result<Coverage, QueryError> {
-        self.walk_for(rays.len(), |posed, stack| {
-            let walk = rays::all(posed, rays, stack, out)?;
-            Ok((Coverage::of(walk.stopped), walk))
-        })
+        let stopped = self.walk_for(rays.len(), |some, posed, stack| {
+            rays::all(posed, rays, some, stack, out)
+        })?;
+        Ok(Coverage::of(stopped))
     }
 
     /// Whether the mesh is in a frustum: `Inside` if all of it is, `Outside` if [`Frustum::triangle`] says so of every
@@ -288,28 +288,44 @@ impl<'q, 'm> Query<'q, 'm> {
         &mut self,
         ask: impl FnOnce(Posed<'_>, &mut [StackEntry]) -> Result<(T, Walk), QueryError>,
     ) -> Result<T, QueryError> {
-        self.walk_for(1, ask)
+        let posed = self.side.posed()?;
+        let needed = posed.pose.asset.stack_len();
+        let (answer, walk) = ask(posed, self.workspace.memory.slots(needed)?)?;
+        self.workspace.stats = Stats::of(&walk);
+        self.side.note(&walk, 1);
+        Ok(answer)
     }
 
-    /// Several walks together.
+    /// Several walks, some at a time: `ask` is told which. Whether one broke off, which ends them.
     #[inline(always)]
-    fn walk_for<T>(
+    fn walk_for(
         &mut self,
         walks: usize,
-        ask: impl FnOnce(Posed<'_>, &mut [StackEntry]) -> Result<(T, Walk), QueryError>,
-    ) -> Result<T, QueryError> {
-        let posed = self.side.posed_for(walks)?;
-        let needed = posed.pose.asset.stack_len();
-        let memory = &mut self.workspace.memory;
-        let stack = match (walks, posed.refined) {
-            // As many as go on together, or as there is room for.
-            (2.., Some(_)) => memory.up_to(needed.saturating_mul(STREAM.min(walks))),
-            _ => memory.slots(needed)?,
-        };
-        let (answer, walk) = ask(posed, stack)?;
-        self.workspace.stats = Stats::of(&walk);
-        self.side.note(&walk);
-        Ok(answer)
+        mut ask: impl FnMut(Range<usize>, Posed<'_>, &mut [StackEntry]) -> Result<Walk, QueryError>,
+    ) -> Result<bool, QueryError> {
+        let mut all = Walk::default();
+        let mut start = 0;
+        loop {
+            let left = walks - start;
+            let some = self.side.batch(left).min(left);
+            let posed = self.side.posed_for(left)?;
+            let needed = posed.pose.asset.stack_len();
+            let memory = &mut self.workspace.memory;
+            let stack = match (some, posed.has_boxes()) {
+                // As many as go on together, or as there is room for.
+                (2.., true) => memory.up_to(needed.saturating_mul(STREAM.min(some))),
+                _ => memory.slots(needed)?,
+            };
+            let walk = ask(start..start + some, posed, stack)?;
+            self.side.note(&walk, some);
+            all.add(&walk);
+            start += some;
+            if start >= walks || walk.stopped {
+                break;
+            }
+        }
+        self.workspace.stats = Stats::of(&all);
+        Ok(all.stopped)
     }
 }
 

@@ -1,11 +1,15 @@
-//! Whether a step asks so much that preparing pays, from what it has asked so far and what the step before asked.
+//! What a step refines: nothing, the whole pose, or the branches where walks come often. Decided from what it has asked so far and what
+//! the step before asked.
 //!
-//! Preparing costs what grows with the mesh alone: it deforms all vertices. Then each node and each triangle that is visited
-//! costs less. The first walk of a step prepares if the step before would have saved that much. If it would not, a step prepares
-//! when it would have saved twice as much, so that steps that ask about as much as pays do not pay for both. A step among its
-//! like so costs as much as the better of both ways, and one that asks unexpectedly much at most about three times as much (by
+//! Refining costs what grows with the mesh alone: it deforms vertices. Then each node and each triangle that is visited
+//! costs less. The first walk of a step refines what the step before would have saved as much in. Where it would not have, a step
+//! refines what would have saved twice as much by now, so that steps that ask about as much as pays do not pay for both. A step among
+//! its like so costs as much as the better of both ways, and one that asks unexpectedly much at most about three times as much (by
 //! the rule above, not measured).
+//!
+//! Many rays together are asked in batches: the first few tell where the others will come, as far as they are like them.
 
+use super::branches::{BranchCache, Branches};
 use super::{Refined, RefinedPose};
 use crate::pose::Pose;
 use crate::traverse::Walk;
@@ -14,12 +18,27 @@ use crate::view::Asset;
 /// What a ray gains, for many that are asked at once: [`Walk::gain`] of 13 nodes and 18 triangles.
 const RAY_GAIN: u64 = 70;
 
-/// What spheres would have gained where two were gained with boxes, which are tighter.
-const OF_TWO: u64 = 3;
+/// What spheres would have gained for each unit gained with boxes, which are tighter.
+const OF_ONE: u64 = 2;
 
 /// Meshes of so many triangles do not stay in the near caches, so that deforming a leaf takes longer; of more, preparing waits for
 /// memory as well.
 const FAR: core::ops::Range<usize> = 50_000..200_000;
+
+/// Walks of a first batch, from which the gain of the others is told.
+const BATCH: usize = 64;
+
+/// After so many steps that have refined the whole pose another one looks whether branches would do.
+const WHOLE_STEPS: u32 = 32;
+
+/// What walks lose of their gain where branches alone are refined: boxes above them are around spheres.
+const LOST: u64 = 10;
+
+/// Branches that together cost more than this share of the whole pose, what is lost included, are not worth their while: in tenths.
+const TENTHS: u64 = 9;
+
+/// After a step in which no branch has paid they are looked at once a step would have gained twice as much, or so many steps later.
+const LOOK_AGAIN: u32 = 16;
 
 /// What preparing a pose costs, in the unit of [`Walk::gain`], some 15 ns: 4 ns per triangle and 8 per vertex
 /// (docs/measured/benchmarks.md, refined poses). Where bones carry vertices, what is visited saves more.
@@ -34,15 +53,52 @@ pub(crate) fn refining_cost(asset: &Asset<'_>) -> u64 {
     cost.max(1)
 }
 
+/// A part of that, for so many triangles.
+pub(super) fn cost_of(asset: &Asset<'_>, triangles: usize) -> u64 {
+    let all = asset.triangle_count().max(1) as u64;
+    (refining_cost(asset).saturating_mul(triangles as u64) / all).max(1)
+}
+
+/// From how much on a step refines what costs so much, if the step before would have gained this.
+pub(super) fn enough_after(gain: u64, cost: u64) -> u64 {
+    match gain {
+        0 => cost, // nothing is known
+        little if little < cost => cost.saturating_mul(2),
+        _ => 0,
+    }
+}
+
+/// What a query has of a step cache's refined pose.
+#[derive(Debug)]
+pub(crate) enum Bounds<'r> {
+    Unrefined,
+    Whole(Refined<'r>),
+    Some(Refined<'r>, Branches<'r>),
+}
+
 /// A step cache's memory for refined poses, and when it uses it.
 #[derive(Debug)]
 pub(crate) struct Refining<'m> {
     pose: RefinedPose<'m>,
+    branches: BranchCache,
+    /// What refining the whole pose costs.
+    cost: u64,
     /// Of this step, of walks of spheres ([`Walk::gain`]).
     gain: u64,
-    /// From how much on a step prepares: 0 where the step before had enough.
+    /// Of that, what was gained in no branch: none were looked at yet, or walks asked no boxes.
+    elsewhere: u64,
+    /// What was open in branches after the last walk.
+    open: u64,
+    walks: u64,
+    /// From how much on a step prepares the whole pose: 0 where the step before had enough.
     enough: u64,
+    /// From how much on branches are looked at: 0 where one of the step before had enough, `None` where nothing is known.
+    look_from: Option<u64>,
+    /// Steps since that was found out.
+    looked: u32,
     is_ready: bool,
+    /// Steps that have prepared the whole pose, one after the other.
+    whole_steps: u32,
     /// Meshes of so many triangles or more have found too little memory.
     too_large: usize,
 }
@@ -52,65 +108,177 @@ impl<'m> Refining<'m> {
     pub(crate) fn new(memory: RefinedPose<'m>, cost: u64) -> Self {
         Self {
             pose: memory,
+            branches: BranchCache::default(),
+            cost,
             gain: 0,
+            elsewhere: 0,
+            open: 0,
+            walks: 0,
             enough: cost,
+            look_from: None,
+            looked: 0,
             is_ready: false,
+            whole_steps: 0,
             too_large: usize::MAX,
         }
     }
 
     /// Another pose, which costs so much.
     pub(crate) fn next_step(&mut self, cost: u64) {
-        self.enough = match self.gain {
-            0 => cost, // nothing is known
-            little if little < cost => cost.saturating_mul(2),
-            _ => 0,
+        let branches = self.branches.next_step(&mut self.pose.memory);
+        self.enough = enough_after(self.gain, cost);
+        self.looked = self.looked.saturating_add(1);
+        if self.looked == LOOK_AGAIN {
+            self.look_from = None;
+        }
+        if let Some([of_branches, saved]) = branches {
+            let [_, tops] = self.branches.costs(cost);
+            let lost = self.gain / LOST;
+            let pays = saved >= 2 * tops + lost;
+            self.look_from = Some(if pays { 0 } else { 2 * self.gain });
+            self.looked = 0;
+            let lost = lost.saturating_add(self.elsewhere);
+            if self.enough == 0 && of_branches.saturating_add(lost) < cost / 10 * TENTHS {
+                self.enough = cost.saturating_mul(2);
+            }
+        }
+        self.whole_steps = match self.is_ready {
+            true => self.whole_steps + 1,
+            false => 0,
         };
-        self.gain = 0;
+        if self.whole_steps == WHOLE_STEPS {
+            (self.whole_steps, self.enough, self.look_from) = (0, cost, Some(0));
+        }
+        self.cost = cost;
+        [self.gain, self.elsewhere, self.open, self.walks] = [0; 4];
         self.is_ready = false;
     }
 
     pub(crate) fn is_ready(&self) -> bool {
         self.is_ready
     }
+
+    /// Triangles that are refined now.
+    pub(crate) fn triangles(&self) -> usize {
+        match self.is_ready {
+            true => self.pose.triangles,
+            false => self.branches.triangles(),
+        }
+    }
+
+    /// Refines what pays before so many walks.
+    fn decide(&mut self, pose: &Pose<'_>, walks: usize) {
+        let Self {
+            pose: refined,
+            branches,
+            ..
+        } = self;
+        let has_branches = branches.lay_out(pose.asset, &mut refined.memory);
+        // Walks to come for each that has been.
+        let more = match walks {
+            1 => 0,
+            _ => (walks as u64).checked_div(self.walks).unwrap_or(0),
+        };
+        let together = match walks {
+            1 => 0,
+            _ => RAY_GAIN.saturating_mul(walks as u64),
+        };
+        let is_whole = if self.enough == 0 || !has_branches {
+            // Nothing else is known of those to come, or they are more of the same.
+            self.gain.saturating_add(together) >= self.enough
+        } else {
+            let open = self.elsewhere.saturating_add(*branches.open());
+            let lost = self.gain.saturating_mul(1 + more) / LOST;
+            let is_dear = |worth: u64| worth.saturating_add(lost) >= self.cost / 10 * TENTHS;
+            open >= self.enough || more > 0 && is_dear(branches.worth(&mut refined.memory, more))
+        };
+        if is_whole && pose.asset.triangle_count() < self.too_large && self.prepare(pose) {
+            return;
+        }
+        if !has_branches {
+            return;
+        }
+        let Self {
+            pose: refined,
+            branches,
+            ..
+        } = self;
+        if !branches.is_active() {
+            let [branch, tops] = branches.costs(self.cost);
+            let expected = self.elsewhere.saturating_add(together);
+            if expected < self.look_from.unwrap_or(branch + 2 * tops)
+                || !branches.activate(pose, &mut refined.memory)
+            {
+                return;
+            }
+        }
+        branches.refine(pose, &mut refined.memory, more);
+        self.open = *branches.open();
+    }
+
+    /// Prepares the whole pose, if there is room for it.
+    #[cold]
+    fn prepare(&mut self, pose: &Pose<'_>) -> bool {
+        // A damaged asset is what walks tell of.
+        self.is_ready = self.pose.prepare(pose).is_ok();
+        match self.is_ready {
+            true => self.branches.forget(),
+            false => self.too_large = pose.asset.triangle_count(),
+        }
+        self.is_ready
+    }
 }
 
 /// [`Refining`] behind a lifetime that can be shortened.
 pub(crate) trait Refine: core::fmt::Debug + Send + Sync {
-    /// The refined pose, if it is there or pays now, before `walks` walks.
-    fn before(&mut self, pose: &Pose<'_>, walks: usize) -> Option<Refined<'_>>;
+    /// Of so many walks, how many are to be asked before it is decided again.
+    fn batch(&mut self, pose: &Pose<'_>, walks: usize) -> usize;
 
-    /// Counts what was gained, or would have been.
-    fn after(&mut self, walk: &Walk);
+    /// What is refined, or pays now, before `walks` walks.
+    fn before(&mut self, pose: &Pose<'_>, walks: usize) -> Bounds<'_>;
+
+    /// Counts what so many walks have gained, or would have.
+    fn after(&mut self, walk: &Walk, walks: usize);
 }
 
 impl Refine for Refining<'_> {
-    fn before(&mut self, pose: &Pose<'_>, walks: usize) -> Option<Refined<'_>> {
-        if !self.is_ready {
-            let triangles = pose.asset.triangle_count();
-            let expected = self.gain.saturating_add(match walks {
-                1 => 0,
-                _ => RAY_GAIN.saturating_mul(walks as u64),
-            });
-            if expected < self.enough || triangles >= self.too_large {
-                return None;
-            }
-            core::hint::cold_path();
-            // A damaged asset is what walks tell of.
-            if self.pose.prepare(pose).is_err() {
-                self.too_large = triangles;
-                return None;
-            }
-            self.is_ready = true;
+    fn batch(&mut self, pose: &Pose<'_>, walks: usize) -> usize {
+        let is_settled = self.is_ready
+            || self.enough == 0
+            || !(self.branches).lay_out(pose.asset, &mut self.pose.memory);
+        match is_settled {
+            true => walks,
+            false => walks.min(BATCH.max(self.walks as usize)),
         }
-        Some(self.pose.view())
     }
 
-    fn after(&mut self, walk: &Walk) {
-        let mut gain = walk.gain;
-        if self.is_ready {
-            gain = gain.saturating_mul(OF_TWO) / 2;
+    fn before(&mut self, pose: &Pose<'_>, walks: usize) -> Bounds<'_> {
+        if !self.is_ready {
+            self.decide(pose, walks);
         }
+        if self.is_ready {
+            return Bounds::Whole(self.pose.view());
+        }
+        match self.branches.view(&mut self.pose.memory) {
+            Some((refined, branches)) => Bounds::Some(refined, branches),
+            None => Bounds::Unrefined,
+        }
+    }
+
+    fn after(&mut self, walk: &Walk, walks: usize) {
+        self.walks = self.walks.saturating_add(walks as u64);
+        let refined_gain = |gain: u64| gain.saturating_mul(OF_ONE);
+        let gain = if self.is_ready {
+            refined_gain(walk.gain)
+        } else if self.branches.is_active() && walk.has_boxes {
+            let open = *self.branches.open();
+            let unrefined = open.saturating_sub(self.open).min(walk.gain);
+            self.open = open;
+            unrefined + refined_gain(walk.gain - unrefined)
+        } else {
+            self.elsewhere = self.elsewhere.saturating_add(walk.gain);
+            walk.gain
+        };
         self.gain = self.gain.saturating_add(gain);
     }
 }

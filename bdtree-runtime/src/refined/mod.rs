@@ -3,14 +3,20 @@
 //! A walk of the tree costs what it visits, each node some ten nanoseconds and each leaf the deformation of its vertices.
 //! Where a step asks thousands of rays, most of the tree is visited anyway, many times. [`RefinedPose::prepare`] then does
 //! once what every visit would do: it deforms all vertices, puts the corners of each leaf side by side, and gives all nodes
-//! boxes of what lies below them, which are much tighter than spheres that hold for any q. Answers keep their bits, since
+//! boxes of what lies below them, which are much tighter than spheres that hold for any q. Where they come to one place,
+//! a [`StepCache`](crate::StepCache) does the same for the branches there ([`branches`]). Answers keep their bits, since
 //! triangles are the same.
 
+mod branch;
+mod branches;
 mod by_itself;
 mod prepare;
 mod record;
+mod sweep;
+mod vertices;
 
-pub(crate) use by_itself::{Refine, Refining, refining_cost};
+pub(crate) use branches::Branches;
+pub(crate) use by_itself::{Bounds, Refine, Refining, refining_cost};
 pub use prepare::PreparePart;
 use prepare::Slots;
 pub(crate) use record::{Boxes, RefinedLeaf, RefinedNode};
@@ -22,9 +28,10 @@ use crate::cache::CHUNK;
 use crate::error::{FormatError, QueryError};
 use crate::pose::Pose;
 use crate::rounding::{BOX_CENTER, round_up};
-use crate::simd::Lanes;
+use crate::simd::{Compact, Lanes};
 use crate::view::Asset;
 use crate::workspace::Memory;
+use vertices::Deformed;
 
 /// Exact boxes of all nodes and the deformed corners of all triangles of one pose; made by [`RefinedPose::prepare`] and used by
 /// [`Query::refined`](crate::Query::refined). One serves any number of assets and poses, one after the other, and once it is
@@ -32,7 +39,8 @@ use crate::workspace::Memory;
 ///
 /// It pays from some 300 rays a step on for 36 000 triangles and from some 3000 on for 480 000: preparing takes 8 to 12 ns per
 /// triangle, and then a ray, a ball or a nearest point takes 0.2 to 0.5 of its time (`docs/measured/benchmarks.md`, refined
-/// poses). Pairs gain little. [`StepCache::refining`](crate::StepCache::refining) decides by itself.
+/// poses). Pairs gain little. [`StepCache::refining`](crate::StepCache::refining) decides by itself, and refines parts alone where
+/// a step asks about these.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -53,6 +61,7 @@ use crate::workspace::Memory;
 pub struct RefinedPose<'m> {
     memory: Memory<'m>,
     counts: Counts,
+    triangles: usize,
     /// What is added to radii of spheres around boxes.
     added: f32,
     /// What identifies the pose; `None` before it is whole.
@@ -109,6 +118,7 @@ impl RefinedPose<'static> {
                 leaves: 0,
                 vertices: 0,
             },
+            triangles: 0,
             added: 0.0,
             fingerprint: None,
         }
@@ -128,6 +138,7 @@ impl<'m> RefinedPose<'m> {
         Self {
             memory: Memory::of_bytes(memory),
             counts: Counts::default(),
+            triangles: 0,
             added: 0.0,
             fingerprint: None,
         }
@@ -181,6 +192,7 @@ impl<'m> RefinedPose<'m> {
     ) -> Result<(), QueryError> {
         self.fingerprint = None;
         self.counts = Counts::of(pose.asset)?;
+        self.triangles = pose.asset.triangle_count();
         let (nodes, leaves, vertices) = self.memory.three_slots(self.counts.slots())?;
         let slots = Slots {
             nodes,
@@ -254,8 +266,9 @@ impl Refined<'_> {
         four: [&TriangleRecord; 4],
         out: &mut [[[f32; CHUNK]; 3]; 3],
     ) -> Result<(), FormatError> {
-        prepare::gather(asset, four, self.vertices, |i, axis, of| {
-            out[i][axis] = of.store();
-        })
+        self.vertices
+            .corners::<Compact>(asset, four, |i, axis, of| {
+                out[i][axis] = of.store();
+            })
     }
 }

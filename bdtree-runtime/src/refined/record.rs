@@ -5,7 +5,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::bound::WideSpheres;
 use crate::cache::CHUNK;
-use crate::rounding::BOX_RADIUS;
+use crate::rounding::{BOX_AROUND, BOX_RADIUS};
 use crate::simd::Lanes;
 
 /// Eight boxes, side by side (stored units, relative to the origin): the least and the greatest coordinates of all deformed
@@ -18,6 +18,20 @@ pub(crate) struct Boxes {
 }
 
 impl Boxes {
+    /// Boxes around spheres (docs/design/guarantees.md, boxes around spheres).
+    #[inline(always)]
+    pub(super) fn around<L: Lanes>(spheres: &WideSpheres<L>) -> Self {
+        let [mut low, mut high] = [[[0.0; LANES]; 3]; 2];
+        for axis in 0..3 {
+            let center = spheres.center[axis];
+            let size = center.max(L::splat(0.0).sub(center)).add(spheres.radius);
+            let reach = spheres.radius.add(size.mul(L::splat(BOX_AROUND)));
+            low[axis] = center.sub(reach).store();
+            high[axis] = center.add(reach).store();
+        }
+        Self { low, high }
+    }
+
     /// Spheres around the boxes; `added` to all radii, it pays for centers that are farther from the origin than any vertex is
     /// (docs/design/guarantees.md, spheres around boxes).
     #[inline(always)]
@@ -97,7 +111,51 @@ pub(super) fn groups_in(leaf_counts: &[u8; LANES]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{groups_in, groups_of};
+    use bdtree_format::{LANES, Row};
+    use num_rational::BigRational;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::{Boxes, groups_in, groups_of};
+    use crate::bound::{Spheres, WideSpheres};
+    use crate::simd::Compact;
+
+    fn exact(x: f32) -> BigRational {
+        BigRational::from_float(x).expect("finite")
+    }
+
+    #[test]
+    fn boxes_hold_the_spheres_that_they_are_around() {
+        let mut rng = Pcg64Mcg::seed_from_u64(4);
+        for _ in 0..3000 {
+            let size = f32::from(rng.random_range(-100..=90_i8)).exp2();
+            let mut row = |from: f32| -> Row {
+                // Centers and radii of the same size, or of any other.
+                core::array::from_fn(|_| {
+                    let share = f32::from(rng.random_range(-20..=20_i8)).exp2();
+                    size * share * rng.random_range(from..1.0)
+                })
+            };
+            let spheres = Spheres {
+                center: [row(-1.0), row(-1.0), row(-1.0)],
+                radius: row(0.0),
+            };
+            let boxes = Boxes::around(&WideSpheres::<Compact>::load(&spheres));
+            for axis in 0..3 {
+                for lane in 0..LANES {
+                    let center = exact(spheres.center[axis][lane]);
+                    let radius = exact(spheres.radius[lane]);
+                    assert!(exact(boxes.low[axis][lane]) <= &center - &radius);
+                    assert!(exact(boxes.high[axis][lane]) >= &center + &radius);
+                    // And no more than rounding takes.
+                    let most =
+                        &radius + (center.clone().max(-center.clone()) + &radius) * exact(8e-7);
+                    assert!(exact(boxes.low[axis][lane]) >= &center - &most);
+                    assert!(exact(boxes.high[axis][lane]) <= &center + &most);
+                }
+            }
+        }
+    }
 
     #[test]
     fn groups_are_counts_rounded_up_to_fours() {

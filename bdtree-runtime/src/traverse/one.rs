@@ -5,8 +5,9 @@ use core::ops::ControlFlow;
 
 use super::leaves::Leaves;
 use super::nearest::nearest_first;
-use super::refined::{RefinedTree, RefinedWalk};
+use super::refined::{Mixed, RefinedWalk};
 use super::shared::Shared;
+use super::unrefined::Nothing;
 use super::visit::{NO_NODE, TOGETHER, look};
 use super::visitor::{Visitor, Walk};
 use super::{StackEntry, lane_subtree};
@@ -31,14 +32,22 @@ pub(crate) fn one<V: Visitor>(
     let limit = posed.take_limit(asset);
     if V::HAS_BOXES
         && limit.is_none()
-        && let Some(refined) = posed.refined
+        && let Some(Mixed { tree, rest }) = Mixed::of(&mut posed)
     {
-        let pose = posed.pose;
-        let walk = asset.kernel.run(RefinedWalk {
-            tree: RefinedTree { pose, refined },
-            stack,
-            visitor,
-        });
+        let walk = match rest {
+            None => asset.kernel.run(RefinedWalk {
+                tree,
+                rest: &mut Nothing,
+                stack,
+                visitor,
+            }),
+            Some(mut rest) => asset.kernel.run(RefinedWalk {
+                tree,
+                rest: &mut rest,
+                stack,
+                visitor,
+            }),
+        };
         return walk.map(Walk::of::<V>);
     }
     let walk = asset.kernel.run(OneWalk {

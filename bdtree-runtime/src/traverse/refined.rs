@@ -5,10 +5,11 @@ use core::ops::ControlFlow;
 
 use super::leaves::{Near, take_near, test};
 use super::shared::Shared;
+use super::unrefined::{Rest, Unrefined};
 use super::visitor::{Visitor, Walk};
 use super::wide_stack::WideStack;
 use super::{StackEntry, Subtree};
-use crate::cache::CHUNK;
+use crate::cache::{CHUNK, Posed};
 use crate::error::QueryError;
 use crate::pose::Pose;
 use crate::refined::Refined;
@@ -16,30 +17,62 @@ use crate::simd::{Lanes, Order, Work, prefetch_lines};
 
 /// What is walked: the same pose twice.
 #[derive(Clone, Copy)]
-pub(crate) struct RefinedTree<'w> {
-    pub(crate) pose: &'w Pose<'w>,
-    pub(crate) refined: Refined<'w>,
+pub(super) struct RefinedTree<'w> {
+    pub(super) pose: &'w Pose<'w>,
+    pub(super) refined: Refined<'w>,
+}
+
+/// The same, with what is not refined of it: nothing, if `None`.
+pub(crate) struct Mixed<'w> {
+    pub(super) tree: RefinedTree<'w>,
+    pub(super) rest: Option<Unrefined<'w>>,
+}
+
+impl<'w> Mixed<'w> {
+    pub(crate) fn pose(&self) -> &'w Pose<'w> {
+        self.tree.pose
+    }
+
+    /// A pose, if some of it is refined and walks use that.
+    #[inline]
+    pub(crate) fn of<'p: 'w>(posed: &'w mut Posed<'p>) -> Option<Self> {
+        if posed.limit.is_some() {
+            return None;
+        }
+        let pose = posed.pose;
+        if let Some(refined) = posed.refined {
+            let tree = RefinedTree { pose, refined };
+            return Some(Self { tree, rest: None });
+        }
+        let (refined, branches) = posed.branches.take()?;
+        core::hint::cold_path();
+        let tree = RefinedTree { pose, refined };
+        let rest = Some(Unrefined::new(posed.again(), branches));
+        Some(Self { tree, rest })
+    }
 }
 
 /// A walk and who it is for.
-pub(super) struct RefinedWalk<'w, V> {
+pub(super) struct RefinedWalk<'w, V, R> {
     pub(super) tree: RefinedTree<'w>,
+    pub(super) rest: &'w mut R,
     pub(super) stack: &'w mut [StackEntry],
     pub(super) visitor: &'w mut V,
 }
 
-impl<V: Visitor> RefinedWalk<'_, V> {
+impl<V: Visitor, R: Rest> RefinedWalk<'_, V, R> {
     #[inline(always)]
     fn shared<L: Lanes, const ORDERED: bool>(self) -> Result<Walk, QueryError> {
         L::apart(RefinedWalk {
             tree: self.tree,
+            rest: self.rest,
             stack: self.stack,
             visitor: &mut Shared::<ORDERED>(self.visitor),
         })
     }
 }
 
-impl<V: Visitor> Work for RefinedWalk<'_, V> {
+impl<V: Visitor, R: Rest> Work for RefinedWalk<'_, V, R> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
@@ -53,6 +86,7 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
         }
         let Self {
             tree,
+            rest,
             stack,
             visitor,
         } = self;
@@ -61,12 +95,13 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
         let mut stack = WideStack::new(stack);
         while let Some(at) = stack.pop(|key| !V::ORDERED || visitor.wanted(key)) {
             let (stack, near, walk) = (&mut stack, &mut near, &mut walk);
-            if visit::<L, V>(tree, at, stack, near, visitor, walk)?.is_break() {
+            if visit::<L, V, R>(tree, rest, at, stack, near, visitor, walk)?.is_break() {
                 return Ok(*walk);
             }
         }
         if V::IN_FOURS {
-            walk.stopped = take_near::<L, V>(&mut near, &tree.pose.placement, visitor).is_break();
+            let frame = &tree.pose.placement;
+            walk.stopped = take_near::<L, V>(&mut near, frame, visitor).is_break();
         }
         Ok(walk)
     }
@@ -74,8 +109,9 @@ impl<V: Visitor> Work for RefinedWalk<'_, V> {
 
 /// One visit: of a leaf, or of a node, whose lanes are put onto the stack, the nearest on top.
 #[inline(always)]
-pub(super) fn visit<L: Lanes, V: Visitor>(
+pub(super) fn visit<L: Lanes, V: Visitor, R: Rest>(
     tree: RefinedTree<'_>,
+    rest: &mut R,
     at: Subtree,
     stack: &mut WideStack<'_>,
     near: &mut Near,
@@ -84,18 +120,22 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
 ) -> Result<ControlFlow<()>, QueryError> {
     let RefinedTree { pose, refined } = tree;
     let asset = pose.asset;
+    let at = match rest.come_to::<L, V>(at, stack, near, visitor, walk)? {
+        ControlFlow::Continue(refined) => refined,
+        ControlFlow::Break(flow) => return Ok(flow),
+    };
     if at.triangles > 0 {
         walk.triangles += u64::from(at.triangles);
         // Nodes of a corrupt file may share leaves, which preparing does not see.
         asset.fewer(asset.triangle_count() as u64, walk.triangles)?;
         // What is on top now lay below the leaf when it was put there: nobody has asked for it yet.
-        ask_for_top(refined, stack);
+        ask_for_top(refined, rest, stack);
         let flow = leaf::<L, V>(tree, at, near, visitor);
         walk.stopped = flow.is_break();
         return Ok(flow);
     }
     walk.nodes_visited += 1;
-    let visits_max = refined.nodes.len() as u64;
+    let visits_max = asset.node_count() as u64;
     let node = refined.nodes.get(at.start as usize);
     let (Some(node), true) = (node, walk.nodes_visited <= visits_max) else {
         return Err(asset.endless(visits_max).into());
@@ -112,14 +152,14 @@ pub(super) fn visit<L: Lanes, V: Visitor>(
     if !room {
         return Err(asset.too_deep().into());
     }
-    ask_for_top(refined, stack);
+    ask_for_top(refined, rest, stack);
     Ok(ControlFlow::Continue(()))
 }
 
 /// Asks for all of what is visited next, wherever that begins in a line.
 #[inline(always)]
-fn ask_for_top(refined: Refined<'_>, stack: &WideStack<'_>) {
-    let Some(at) = stack.top() else {
+fn ask_for_top(refined: Refined<'_>, rest: &impl Rest, stack: &WideStack<'_>) {
+    let Some(at) = stack.top().and_then(|at| rest.refined(at)) else {
         return;
     };
     let start = at.start as usize;

@@ -4,7 +4,8 @@ use core::marker::PhantomData;
 
 use super::StackEntry;
 use super::leaves::Near;
-use super::refined::{RefinedTree, RefinedWalk, visit};
+use super::refined::{Mixed, RefinedTree, RefinedWalk, visit};
+use super::unrefined::{Nothing, Rest};
 use super::visitor::{Visitor, Walk};
 use super::wide_stack::WideStack;
 use crate::error::QueryError;
@@ -28,7 +29,7 @@ pub(crate) trait Questions<V> {
 /// Answers all questions, in stacks for one or several; the visitor is ordered and takes triangles one by one. The first
 /// error ends it, after the questions before it are answered.
 pub(crate) fn stream<V: Visitor + Default, Q: Questions<V>>(
-    tree: RefinedTree<'_>,
+    Mixed { tree, rest }: Mixed<'_>,
     stack: &mut [StackEntry],
     questions: &mut Q,
 ) -> Result<Walk, QueryError> {
@@ -37,17 +38,30 @@ pub(crate) fn stream<V: Visitor + Default, Q: Questions<V>>(
     if found < needed {
         return Err(QueryError::Memory { needed, found });
     }
-    let walk = tree.pose.asset.kernel.run(Stream {
-        tree,
-        stack,
-        questions,
-        of: PhantomData,
-    });
+    let kernel = tree.pose.asset.kernel;
+    let of = PhantomData;
+    let walk = match rest {
+        None => kernel.run(Stream {
+            tree,
+            rest: &mut Nothing,
+            stack,
+            questions,
+            of,
+        }),
+        Some(mut rest) => kernel.run(Stream {
+            tree,
+            rest: &mut rest,
+            stack,
+            questions,
+            of,
+        }),
+    };
     walk.map(Walk::of::<V>)
 }
 
-struct Stream<'w, V, Q> {
+struct Stream<'w, V, Q, R> {
     tree: RefinedTree<'w>,
+    rest: &'w mut R,
     stack: &'w mut [StackEntry],
     questions: &'w mut Q,
     of: PhantomData<V>,
@@ -61,13 +75,14 @@ struct UnderWay<'s, V> {
     walk: Walk,
 }
 
-impl<V: Visitor + Default, Q: Questions<V>> Work for Stream<'_, V, Q> {
+impl<V: Visitor + Default, Q: Questions<V>, R: Rest> Work for Stream<'_, V, Q, R> {
     type Output = Result<Walk, QueryError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
         let Self {
             tree,
+            rest,
             stack,
             questions,
             ..
@@ -79,6 +94,7 @@ impl<V: Visitor + Default, Q: Questions<V>> Work for Stream<'_, V, Q> {
             while let Some(number) = questions.next(&mut visitor)? {
                 let walk = RefinedWalk {
                     tree,
+                    rest: &mut *rest,
                     stack: &mut *stack,
                     visitor: &mut visitor,
                 };
@@ -102,7 +118,7 @@ impl<V: Visitor + Default, Q: Questions<V>> Work for Stream<'_, V, Q> {
                 turn = 0;
             }
             let one = &mut under_way[turn & (STREAM - 1)];
-            if one.number.is_some() && !go_on::<L, V>(tree, one)? {
+            if one.number.is_some() && !go_on::<L, V, R>(tree, rest, one)? {
                 turn += 1;
                 continue;
             }
@@ -136,8 +152,9 @@ impl<V: Visitor + Default, Q: Questions<V>> Work for Stream<'_, V, Q> {
 
 /// One visit of a question; whether it has come to its end.
 #[inline(always)]
-fn go_on<L: Lanes, V: Visitor>(
+fn go_on<L: Lanes, V: Visitor, R: Rest>(
     tree: RefinedTree<'_>,
+    rest: &mut R,
     one: &mut UnderWay<'_, V>,
 ) -> Result<bool, QueryError> {
     let UnderWay {
@@ -150,5 +167,5 @@ fn go_on<L: Lanes, V: Visitor>(
         return Ok(true);
     };
     let near = &mut Near::default();
-    Ok(visit::<L, V>(tree, at, stack, near, visitor, walk)?.is_break())
+    Ok(visit::<L, V, R>(tree, rest, at, stack, near, visitor, walk)?.is_break())
 }

@@ -202,9 +202,8 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
-                    triangles: 0,
-                    gain: 0,
                     stopped,
+                    ..Walk::default()
                 });
             }
         }
@@ -287,9 +286,8 @@ fn walk_two<L: Lanes>(work: TwoWalk<'_, '_, '_>) -> Result<Walk, QueryError> {
                 return Ok(Walk {
                     nodes_visited,
                     nodes_updated: a.updated + b.updated,
-                    triangles: 0,
-                    gain: 0,
                     stopped: true,
+                    ..Walk::default()
                 });
             }
             ended = leaves;

@@ -163,6 +163,8 @@ pub(crate) struct Walk {
     /// What the walk would have saved on a refined pose, preparing not counted, in what a triangle of a visited leaf saves: some
     /// 15 ns. Walks of one tree know it.
     pub(crate) gain: u64,
+    /// Whether the visitor asks boxes.
+    pub(crate) has_boxes: bool,
     /// The visitor broke off.
     pub(crate) stopped: bool,
 }
@@ -173,7 +175,11 @@ impl Walk {
     pub(super) fn of<V: Visitor>(self) -> Self {
         let of_nodes = self.nodes_visited.saturating_mul(V::NODE_GAIN);
         let gain = of_nodes.saturating_add(self.triangles);
-        Self { gain, ..self }
+        Self {
+            gain,
+            has_boxes: V::HAS_BOXES,
+            ..self
+        }
     }
 
     /// Adds another one, which came after.
@@ -182,6 +188,7 @@ impl Walk {
         self.nodes_updated += other.nodes_updated;
         self.triangles += other.triangles;
         self.gain += other.gain;
+        self.has_boxes |= other.has_boxes;
         self.stopped |= other.stopped;
     }
 }

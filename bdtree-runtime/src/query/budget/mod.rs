@@ -178,6 +178,7 @@ impl Rest {
             nodes_updated: 0,
             triangles: 0,
             gain: 0,
+            has_boxes: false,
             stopped: false,
         },
     };

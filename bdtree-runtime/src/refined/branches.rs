@@ -1,0 +1,500 @@
+//! Branches: the subtrees below one level, refined one by one where walks come often, in as much memory as there is.
+//!
+//! What lies above them has boxes around the spheres of its lanes. A walk goes from those into branches that are refined and, by
+//! spheres, into those that are not ([`crate::traverse`], unrefined), which count what they would have gained.
+
+use bdtree_format::LANES;
+use core::ops::Range;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+use super::branch::{Levels, Room, refine, slots_of};
+use super::by_itself::{cost_of, enough_after};
+use super::record::{Boxes, RefinedLeaf, RefinedNode};
+use super::{Counts, Refined};
+use crate::bound::WideSpheres;
+use crate::cache::{Kept, Posed};
+use crate::error::FormatError;
+use crate::pose::Pose;
+use crate::simd::{Lanes, Work};
+use crate::traverse::{UNREFINED, lane_subtree, used_lanes};
+use crate::view::Asset;
+use crate::workspace::Memory;
+
+/// Triangles of a branch, on average, more or less: levels differ by a factor of eight.
+const BRANCH: usize = 700;
+
+/// Meshes with fewer branches are refined as a whole or not at all.
+const BRANCHES_LEAST: usize = 8;
+
+/// A subtree that is refined by itself.
+#[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[repr(C)]
+pub(crate) struct Branch {
+    /// Where its root is among the refined nodes; 0, where the asset's is, while it is not refined.
+    at: u32,
+    /// What refining it costs, in the unit of [`Walk::gain`](crate::traverse::Walk::gain).
+    cost: u32,
+    /// From how much on a step refines it.
+    enough: u32,
+    /// What walks would have gained in it in this step, before it was refined.
+    gain: u32,
+    /// How often walks have come to it in this step: before it was refined, and in all.
+    unrefined: u32,
+    entered: u32,
+}
+
+impl Branch {
+    /// What all walks of the step would have gained.
+    fn gain_of_all(&self) -> u64 {
+        let gain = u64::from(self.gain) * u64::from(self.entered);
+        gain / u64::from(self.unrefined.max(1))
+    }
+
+    /// Begins another step.
+    fn next_step(&mut self) {
+        self.enough =
+            enough_after(self.gain_of_all(), self.cost.into()).min(u32::MAX.into()) as u32;
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        [self.at, self.gain, self.unrefined, self.entered] = [0; 4];
+    }
+}
+
+/// The branches as a walk sees them.
+#[derive(Debug)]
+pub(crate) struct Branches<'r> {
+    slots: &'r mut [Branch],
+    first_root: u32,
+    /// What walks would have gained in branches that are not refined.
+    open: &'r mut u64,
+    is_due: &'r mut bool,
+}
+
+impl Branches<'_> {
+    /// The same for a shorter time.
+    pub(crate) fn again(&mut self) -> Branches<'_> {
+        Branches {
+            slots: self.slots,
+            first_root: self.first_root,
+            open: self.open,
+            is_due: self.is_due,
+        }
+    }
+
+    /// A walk comes to a node above or at the root of a branch: which branch it is, if any, and where that is refined, if it is.
+    #[inline]
+    pub(crate) fn enter(&mut self, node: u32) -> (Option<u32>, Option<u32>) {
+        let number = node.wrapping_sub(self.first_root);
+        let Some(branch) = self.slots.get_mut(number as usize) else {
+            return (None, None);
+        };
+        branch.entered = branch.entered.saturating_add(1);
+        let at = Some(branch.at).filter(|at| *at > 0);
+        branch.unrefined = (branch.unrefined).saturating_add(u32::from(at.is_none()));
+        (Some(number), at)
+    }
+
+    /// Where the branch with this root is refined.
+    #[inline]
+    pub(crate) fn refined(&self, root: u32) -> Option<u32> {
+        let number = root.wrapping_sub(self.first_root);
+        let at = self.slots.get(number as usize)?.at;
+        Some(at).filter(|at| *at > 0)
+    }
+
+    /// A walk would have gained so much in a branch.
+    #[inline]
+    pub(crate) fn count(&mut self, number: u32, gain: u64) {
+        *self.open = self.open.saturating_add(gain);
+        if let Some(branch) = self.slots.get_mut(number as usize) {
+            branch.gain = (branch.gain).saturating_add(gain.min(u32::MAX.into()) as u32);
+            *self.is_due |= branch.gain >= branch.enough;
+        }
+    }
+}
+
+/// How much there is of what memory holds.
+#[derive(Debug, Clone, Copy)]
+struct Layout {
+    branches: usize,
+    nodes: usize,
+    leaves: usize,
+    /// Nodes above the branches, and so the first root.
+    tops: usize,
+}
+
+impl Layout {
+    /// For so many bytes; `None` where there are too few or the mesh is too small.
+    fn new(asset: &Asset<'_>, counts: Counts, bytes: usize) -> Option<Self> {
+        let roots = roots(asset)?;
+        let (branches, tops) = (roots.len(), roots.start);
+        let fixed = size_of::<Branch>() * branches + size_of::<RefinedNode>() * tops;
+        let [below, leaves] = [counts.nodes.checked_sub(tops)?, counts.leaves];
+        let all = size_of::<RefinedNode>() * below + size_of::<RefinedLeaf>() * leaves;
+        let room = bytes.checked_sub(fixed)?.min(all);
+        let share = |count: usize| (count as u64 * room as u64 / (all as u64).max(1)) as usize;
+        let layout = Self {
+            branches,
+            nodes: tops + share(below),
+            leaves: share(leaves),
+            tops,
+        };
+        // Room for two branches at least.
+        (branches * share(leaves) >= 2 * leaves).then_some(layout)
+    }
+}
+
+/// The roots of branches: the nodes of the level that has about as many as there are branches of [`BRANCH`] triangles.
+fn roots(asset: &Asset<'_>) -> Option<Range<usize>> {
+    // Numbers of nodes and triangles, and of branches, share a word with another one each.
+    if asset.triangle_count().max(asset.node_count()) >= UNREFINED as usize {
+        return None;
+    }
+    let wanted = (asset.triangle_count() / BRANCH) as u64;
+    if wanted < BRANCHES_LEAST as u64 {
+        return None;
+    }
+    let mut tops = 1;
+    for level in 1..asset.depth() {
+        let end = asset.node_count_to(level);
+        let [count, next] = [tops..end, end..asset.node_count_to(level + 1)].map(|of| of.len());
+        // The next level is farther from what is wanted where the geometric mean of both is beyond that.
+        if next <= count || count as u64 * next as u64 > wanted * wanted {
+            let is_fit = (BRANCHES_LEAST..1 << 24).contains(&count);
+            return is_fit.then_some(tops..end);
+        }
+        tops = end;
+    }
+    None
+}
+
+/// The branches of a cache over steps.
+#[derive(Debug, Default)]
+pub(super) struct BranchCache {
+    layout: Option<Layout>,
+    /// Of what the layout is: where nodes are and how many, and of how many bytes. What another asset at the same place makes of it
+    /// is another layout than the best.
+    of: [usize; 3],
+    /// Memory holds the branches, and what is known of them.
+    is_known: bool,
+    /// Memory holds this step's boxes of what is above them.
+    is_active: bool,
+    /// Nodes and leaves in use.
+    used: [usize; 2],
+    is_full: bool,
+    open: u64,
+    is_due: bool,
+    /// Triangles of refined branches.
+    triangles: usize,
+}
+
+impl BranchCache {
+    /// Lays them out in this memory, if that has not been done; whether there are any.
+    pub(super) fn lay_out(&mut self, asset: &Asset<'_>, memory: &mut Memory<'_>) -> bool {
+        let bytes = match memory.grows() {
+            true => usize::MAX,
+            false => memory.len(),
+        };
+        let of = [asset.nodes().as_ptr().addr(), asset.node_count(), bytes];
+        if self.of != of {
+            let counts = Counts::of(asset).ok();
+            *self = Self {
+                layout: counts.and_then(|counts| Layout::new(asset, counts, bytes)),
+                of,
+                ..Self::default()
+            };
+        }
+        self.layout.is_some()
+    }
+
+    /// What a branch costs on average, and what is above the branches.
+    pub(super) fn costs(&self, whole: u64) -> [u64; 2] {
+        self.layout.map_or([0; 2], |layout| {
+            [
+                whole / layout.branches as u64,
+                TOP_COST * layout.tops as u64,
+            ]
+        })
+    }
+
+    pub(super) fn is_active(&self) -> bool {
+        self.is_active
+    }
+
+    pub(super) fn triangles(&self) -> usize {
+        self.triangles
+    }
+
+    /// What walks of this step would have gained where it is not refined.
+    pub(super) fn open(&mut self) -> &mut u64 {
+        &mut self.open
+    }
+
+    /// Memory is used for something else.
+    pub(super) fn forget(&mut self) {
+        self.is_known = false;
+        self.leave();
+    }
+
+    fn leave(&mut self) {
+        self.is_active = false;
+        (self.triangles, self.is_due, self.open) = (0, false, 0);
+    }
+
+    /// Begins another step; what branches cost if the next step is like this one, and what refining those that pay saves then.
+    pub(super) fn next_step(&mut self, memory: &mut Memory<'_>) -> Option<[u64; 2]> {
+        let layout = self.layout.filter(|_| self.is_active);
+        self.leave();
+        let (branches, ..) = self.carve(memory, layout?)?;
+        let (mut cost, mut saved) = (0, 0);
+        for branch in branches {
+            let gain = branch.gain_of_all();
+            let least = gain.min(branch.cost.into());
+            cost += least;
+            saved += gain - least;
+            branch.next_step();
+        }
+        Some([cost, saved])
+    }
+
+    fn carve<'m>(&self, memory: &'m mut Memory<'_>, layout: Layout) -> Option<Parts<'m>> {
+        let counts = [layout.branches, layout.nodes, layout.leaves];
+        memory.three_slots(counts).ok()
+    }
+
+    /// Finds the boxes above the branches; whether that has been done.
+    pub(super) fn activate(&mut self, pose: &Pose<'_>, memory: &mut Memory<'_>) -> bool {
+        let Some(layout) = self.layout else {
+            return false;
+        };
+        let Some((branches, nodes, _)) = self.carve(memory, layout) else {
+            return false;
+        };
+        if !self.is_known {
+            for (number, branch) in branches.iter_mut().enumerate() {
+                let levels = Levels::new(pose.asset, layout.tops + number);
+                let triangles = levels.map(|level| slots_of(pose.asset, &level).len());
+                // Vertices are deformed for each of their triangles.
+                let cost = cost_of(pose.asset, triangles.sum::<usize>() * 5 / 2);
+                let cost = cost.min(u32::MAX.into()) as u32;
+                *branch = Branch {
+                    at: 0,
+                    cost,
+                    enough: cost,
+                    gain: 0,
+                    unrefined: 0,
+                    entered: 0,
+                };
+            }
+        }
+        let nodes = nodes.get_mut(..layout.tops).unwrap_or_default();
+        // A damaged asset is what walks tell of.
+        self.is_active = pose.asset.kernel.run(Tops { pose, nodes }).is_ok();
+        self.is_known = true;
+        self.used = [layout.tops, 0];
+        self.is_full = false;
+        self.is_active
+    }
+
+    /// Refines what pays: branches that have had enough, or will have after so many walks more for each one so far, if they go on like
+    /// those.
+    pub(super) fn refine(&mut self, pose: &Pose<'_>, memory: &mut Memory<'_>, more: u64) {
+        if self.is_full || !(self.is_due || more > 0) {
+            return;
+        }
+        self.is_due = false;
+        let Some(layout) = self.layout else {
+            return;
+        };
+        let Some((branches, nodes, leaves)) = self.carve(memory, layout) else {
+            return;
+        };
+        for (number, branch) in branches.iter_mut().enumerate() {
+            let (gain, cost) = (u64::from(branch.gain), u64::from(branch.cost));
+            let is_due = gain >= branch.enough.into() || gain.saturating_mul(1 + more) >= cost;
+            if branch.at > 0 || gain == 0 || !is_due {
+                continue;
+            }
+            let [used_nodes, used_leaves] = self.used;
+            let (above, nodes) = nodes.split_at_mut(used_nodes.min(nodes.len()));
+            let room = Room {
+                nodes: &mut *nodes,
+                first_node: used_nodes as u32,
+                leaves: leaves.get_mut(used_leaves..).unwrap_or_default(),
+                first_leaf: used_leaves as u32,
+            };
+            let root = layout.tops + number;
+            match refine(pose, root, room) {
+                Ok(Some([more_nodes, more_leaves])) => {
+                    branch.at = used_nodes as u32;
+                    self.used = [used_nodes + more_nodes, used_leaves + more_leaves];
+                    self.open = self.open.saturating_sub(gain);
+                    let levels = Levels::new(pose.asset, root);
+                    self.triangles += levels
+                        .map(|level| slots_of(pose.asset, &level).len())
+                        .sum::<usize>();
+                    if let Some(refined) = nodes.first() {
+                        tighten(pose.asset, above, root, refined);
+                    }
+                }
+                Ok(None) => {
+                    self.is_full = true;
+                    return;
+                }
+                Err(_) => {
+                    // Never again.
+                    (branch.cost, branch.enough) = (u32::MAX, u32::MAX);
+                    branch.gain = 0;
+                }
+            }
+        }
+    }
+
+    /// What refining would cost, where that is less than what it would save, if each walk so far is followed by so many more.
+    pub(super) fn worth(&self, memory: &mut Memory<'_>, more: u64) -> u64 {
+        let layout = self.layout.filter(|_| self.is_active);
+        let parts = layout.and_then(|layout| self.carve(memory, layout));
+        let Some((branches, ..)) = parts else {
+            return 0;
+        };
+        let open = branches.iter().filter(|branch| branch.at == 0);
+        open.map(|branch| {
+            let gain = u64::from(branch.gain).saturating_mul(1 + more);
+            gain.min(branch.cost.into())
+        })
+        .sum()
+    }
+
+    /// What walks see.
+    pub(super) fn view<'m>(
+        &'m mut self,
+        memory: &'m mut Memory<'_>,
+    ) -> Option<(Refined<'m>, Branches<'m>)> {
+        let layout = self.layout.filter(|_| self.is_active)?;
+        let (slots, nodes, leaves) = self.carve(memory, layout)?;
+        let refined = Refined {
+            nodes,
+            leaves,
+            vertices: &[],
+            added: 0.0,
+        };
+        let branches = Branches {
+            slots,
+            first_root: layout.tops as u32,
+            open: &mut self.open,
+            is_due: &mut self.is_due,
+        };
+        Some((refined, branches))
+    }
+}
+
+type Parts<'m> = (
+    &'m mut [Branch],
+    &'m mut [RefinedNode],
+    &'m mut [RefinedLeaf],
+);
+
+/// What evaluating a node and boxes around its spheres costs, in the unit of [`Walk::gain`](crate::traverse::Walk::gain).
+const TOP_COST: u64 = 12;
+
+/// Gives nodes boxes around the spheres of their lanes.
+struct Tops<'p> {
+    pose: &'p Pose<'p>,
+    nodes: &'p mut [RefinedNode],
+}
+
+impl Work for Tops<'_> {
+    type Output = Result<(), FormatError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self { pose, nodes } = self;
+        let asset = pose.asset;
+        let tops = nodes.len() as u32;
+        let mut posed = Posed::new(pose, None, Kept::nothing(), None);
+        for (index, slot) in (0..).zip(&mut *nodes) {
+            let node = asset.node(index)?;
+            let mut spheres = WideSpheres::<L>::empty();
+            posed.spheres(asset, index, &mut spheres)?;
+            let used = used_lanes(node);
+            let mut starts = [0; LANES];
+            for lane in 0..LANES {
+                let start = lane_subtree(node, lane).start;
+                let is_here = node.leaf_mask >> lane & 1 == 0 && start < tops;
+                starts[lane] = if is_here { start } else { start | UNREFINED };
+            }
+            *slot = RefinedNode {
+                boxes: Boxes::around(&spheres),
+                starts,
+                triangles: node.leaf_counts,
+                used,
+                inner_mask: used & !node.leaf_mask,
+                unused: [0; 6],
+            };
+        }
+        // Spheres that hold less are tighter.
+        for index in (0..nodes.len()).rev() {
+            let (front, behind) = nodes.split_at_mut(index + 1);
+            let Some(slot) = front.last_mut() else {
+                break;
+            };
+            for lane in 0..LANES {
+                let child = slot.starts[lane] as usize;
+                let is_here = slot.inner_mask >> lane & 1 != 0 && child < tops as usize;
+                if let Some(child) = behind.get(child.wrapping_sub(index + 1))
+                    && is_here
+                {
+                    cut(slot, lane, child);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Makes the boxes above a branch smaller, now that its own are exact.
+fn tighten(asset: &Asset<'_>, tops: &mut [RefinedNode], root: usize, refined: &RefinedNode) {
+    let (mut child, mut tight) = (root, *refined);
+    while child > 0 {
+        // The last node whose children do not begin behind this one.
+        let above = asset.nodes().get(..child.min(tops.len()));
+        let behind = above
+            .unwrap_or_default()
+            .partition_point(|node| node.first_child as usize <= child);
+        let Some(parent) = behind.checked_sub(1) else {
+            return;
+        };
+        let Some((slot, lane)) = tops
+            .get_mut(parent)
+            .and_then(|slot| lane_of(slot, child).map(|lane| (slot, lane)))
+        else {
+            return;
+        };
+        cut(slot, lane, &tight);
+        (child, tight) = (parent, *slot);
+    }
+}
+
+/// Cuts the box of a lane down to what the boxes of the node hold that it leads to.
+fn cut(slot: &mut RefinedNode, lane: usize, child: &RefinedNode) {
+    for axis in 0..3 {
+        let [mut low, mut high] = [f32::INFINITY, f32::NEG_INFINITY];
+        for of in (0..LANES).filter(|of| child.used >> of & 1 != 0) {
+            low = low.min(child.boxes.low[axis][of]);
+            high = high.max(child.boxes.high[axis][of]);
+        }
+        let boxes = &mut slot.boxes;
+        let (of_low, of_high) = (&mut boxes.low[axis][lane], &mut boxes.high[axis][lane]);
+        (*of_low, *of_high) = (of_low.max(low), of_high.min(high));
+    }
+}
+
+/// The lane that leads to a node of the asset.
+fn lane_of(slot: &RefinedNode, child: usize) -> Option<usize> {
+    (0..LANES).find(|lane| {
+        let is_inner = slot.inner_mask >> lane & 1 != 0;
+        is_inner && (slot.starts[*lane] & !UNREFINED) as usize == child
+    })
+}
