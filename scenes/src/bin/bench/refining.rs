@@ -38,6 +38,9 @@ pub(crate) struct Arguments {
     /// Only questions whose names contain this
     #[arg(long, default_value = "")]
     only: String,
+    /// Ask about this share of the surface alone, about one point, with rays from one place
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    near: Option<f64>,
     /// Where a plot of the curves goes
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
@@ -70,40 +73,67 @@ const OF_PAIR: usize = 100;
 /// How far from the surface balls and points are, of the way to where rays begin: most balls are touched.
 const NEAR: f64 = 0.01;
 
+/// Points near the surface from which those about one of them are taken.
+const POOL: usize = 32_768;
+
+fn share(text: &str) -> std::result::Result<f64, String> {
+    match text.parse() {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("not above 0 and at most 1".into()),
+    }
+}
+
 /// An asset and the poses in which it is asked.
 struct Body {
     name: String,
     model: Model,
     samples: Vec<Sample>,
+    /// For each of them the points that are asked about, if these are not all over it.
+    near: Option<Vec<Vec<[f64; 3]>>>,
 }
 
 impl Body {
-    fn new(name: String, model: Model) -> Result<Self> {
+    fn new(name: String, model: Model, share: Option<f64>) -> Result<Self> {
         let asset = model.asset();
         let samples = Samples::of(asset, SAMPLES)?;
         let samples = Sample::all(asset, &samples, bounds_at_rest(asset)?)?;
+        let near = share.map(|share| samples.iter().map(|sample| near(sample, share)).collect());
         Ok(Self {
             name,
             model,
             samples,
+            near,
         })
     }
 }
 
-fn bodies(files: &[PathBuf]) -> Result<Vec<Body>> {
+/// This share of the points near the surface: those nearest to the first one.
+fn near(sample: &Sample, share: f64) -> Vec<[f64; 3]> {
+    let mut points: Vec<[f64; 3]> = sample.points(POOL, NEAR).collect();
+    let from = points[0];
+    let far = |point: &[f64; 3]| -> f64 { (0..3).map(|k| (point[k] - from[k]).powi(2)).sum() };
+    let mut distances: Vec<f64> = points.iter().map(far).collect();
+    distances.sort_by(f64::total_cmp);
+    let most = distances[(share * (POOL - 1) as f64) as usize];
+    points.retain(|point| far(point) <= most);
+    points
+}
+
+fn bodies(files: &[PathBuf], share: Option<f64>) -> Result<Vec<Body>> {
     let mut bodies = Vec::new();
     for file in files {
         let name = file.file_stem().unwrap_or_default().to_string_lossy();
         let model = Model::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
-        bodies.push(Body::new(name.into_owned(), model)?);
+        bodies.push(Body::new(name.into_owned(), model, share)?);
     }
     if files.is_empty() {
         for (name, n) in rays::SIZES {
-            bodies.push(Body::new(name.into(), baked(&rays::rays(name, n).body)?)?);
+            let model = baked(&rays::rays(name, n).body)?;
+            bodies.push(Body::new(name.into(), model, share)?);
         }
         for (name, size) in characters::SIZES {
             let character = characters::character(name, size)?;
-            bodies.push(Body::new(name.into(), character.model)?);
+            bodies.push(Body::new(name.into(), character.model, share)?);
         }
     }
     Ok(bodies)
@@ -111,7 +141,7 @@ fn bodies(files: &[PathBuf]) -> Result<Vec<Body>> {
 
 pub(crate) fn run(arguments: &Arguments, rounds: usize) -> Result<Vec<Table>> {
     let (mut all, mut curves) = (Vec::new(), Vec::new());
-    for body in bodies(&arguments.files)? {
+    for body in bodies(&arguments.files, arguments.near)? {
         for (question, kind) in KINDS {
             if !question.contains(&arguments.only) {
                 continue;
@@ -251,11 +281,11 @@ impl Run<'_> {
         Entry::new(name, Role::Ours, Counts::Same, move |_| {
             frame(|| {
                 let mut answer = Answer::default();
-                let samples = self.body.samples.iter().cycle();
-                for sample in samples.take(self.steps) {
+                let samples = self.body.samples.iter().enumerate().cycle();
+                for (number, sample) in samples.take(self.steps) {
                     match self.kind {
                         Kind::Pair => self.pairs(sample, way, &mut own, &mut answer)?,
-                        _ => self.step(sample, way, &mut own, &mut answer)?,
+                        _ => self.step((number, sample), way, &mut own, &mut answer)?,
                     }
                 }
                 Ok(answer)
@@ -266,7 +296,7 @@ impl Run<'_> {
     /// A step of questions at one body.
     fn step(
         &self,
-        sample: &Sample,
+        (number, sample): (usize, &Sample),
         way: Way,
         own: &mut Own,
         answer: &mut Answer,
@@ -274,6 +304,8 @@ impl Run<'_> {
         let asset = self.body.model.asset();
         let mut memory = vec![0.0; asset.pose_len()];
         let pose = sample.pose(asset, HERE, &mut memory)?;
+        let near = self.body.near.as_ref().map(|near| &near[number]);
+        let near = near.map(|points| points.iter().cycle().take(self.count));
         let [cache, _] = &mut own.caches;
         cache.start(&pose);
         let mut query = pose.query(&mut own.workspace).cached(cache);
@@ -282,15 +314,29 @@ impl Run<'_> {
             query = query.refined(&own.refined);
         }
         if self.kind == Kind::CastRay {
-            for [origin, direction] in sample.rays(self.count) {
-                let hit = query.cast_ray(&Ray::new(origin, direction))?;
+            let rays: Vec<Ray> = match near {
+                Some(near) => {
+                    let from = sample.rays(1).next().map_or([0.0; 3], |[origin, _]| origin);
+                    near.map(|to| Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k])))
+                        .collect()
+                }
+                None => (sample.rays(self.count))
+                    .map(|[origin, direction]| Ray::new(origin, direction))
+                    .collect(),
+            };
+            for ray in rays {
+                let hit = query.cast_ray(&ray)?;
                 answer.found += u64::from(hit.is_some());
                 answer.nodes.add(query.stats());
             }
             return Ok(());
         }
         let radius = SMALL_BALL * sample.ball.1;
-        for point in sample.points(self.count, NEAR) {
+        let points: Vec<[f64; 3]> = match near {
+            Some(near) => near.copied().collect(),
+            None => sample.points(self.count, NEAR).collect(),
+        };
+        for point in points {
             answer.found += self.at(point, radius, &mut query, &mut own.found)?;
             answer.nodes.add(query.stats());
         }
