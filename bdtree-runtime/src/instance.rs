@@ -98,13 +98,13 @@ impl Instance {
         })
     }
 
-    /// Lets queries that use the step cache refine the pose by themselves where a step asks so much that it pays, or not any
-    /// more: [`StepCache::refining`], in memory that grows to some 65 bytes per triangle. Answers stay the same.
+    /// Lets queries that use the step cache refine the pose, or parts of it, by themselves where a step asks so much that it pays,
+    /// or not any more: [`StepCache::refining`], in memory that grows to some 65 bytes per triangle. Answers stay the same.
     pub fn set_refining(&mut self, on: bool) {
         self.cache.set_refining(on.then(RefinedPose::new));
     }
 
-    /// Whether the pose is refined now: [`StepCache::is_refined`].
+    /// Whether the whole pose is refined now: [`StepCache::is_refined`].
     pub fn is_refined(&self) -> bool {
         self.cache.is_refined()
     }

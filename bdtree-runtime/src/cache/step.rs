@@ -109,8 +109,8 @@ impl<'m> StepCache<'m> {
     /// follows one in which it would have paid, or when the first of many rays together tell that it will, else when the step has
     /// visited as much as pays, or twice as much if the step before did not. Answers stay the same.
     ///
-    /// Steps among their like then cost as much as the better of both ways, within some percent, and a half of that where they ask
-    /// about a small part. One that asks unexpectedly much costs about three times as much, at most. Rays, balls and nearest points
+    /// Steps among their like then cost as much as the better of both ways, within some percent, or less where they ask about a small
+    /// part. One that asks unexpectedly much costs about four times as much, at most. Rays, balls and nearest points
     /// of one mesh use parts; other queries of one mesh and those of two use the whole pose, if it is there.
     ///
     /// ```

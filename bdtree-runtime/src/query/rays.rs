@@ -1,6 +1,8 @@
 //! Many rays against one posed asset.
 
+use core::iter::Enumerate;
 use core::ops::{ControlFlow, Range};
+use core::slice::Iter;
 
 use super::ray::{self, First};
 use crate::cache::Posed;
@@ -73,26 +75,31 @@ fn together<T: Default>(
         pose: tree.pose(),
         rays: rays.iter().enumerate(),
         is_any,
-        put: |number: usize, first: Option<&First>| {
+        // Not a type of its own: streams are compiled once.
+        put: &mut |number: usize, first: Option<&First>| {
             hits[number] = first.map(&answer).unwrap_or_default();
         },
     };
-    stream(tree, stack, &mut streamed)
+    stream(tree, stack, &mut streamed).map(unstopped)
+}
+
+/// One ray that has found its answer does not end the others.
+fn unstopped(walk: Walk) -> Walk {
+    Walk {
+        stopped: false,
+        ..walk
+    }
 }
 
 /// Rays that are cast together.
-struct Streamed<'r, I, P> {
+struct Streamed<'r, 'p> {
     pose: &'r Pose<'r>,
-    rays: I,
+    rays: Enumerate<Iter<'r, Ray>>,
     is_any: bool,
-    put: P,
+    put: &'p mut dyn FnMut(usize, Option<&First>),
 }
 
-impl<'r, I, P> Questions<First> for Streamed<'r, I, P>
-where
-    I: Iterator<Item = (usize, &'r Ray)>,
-    P: FnMut(usize, Option<&First>),
-{
+impl Questions<First> for Streamed<'_, '_> {
     #[inline(always)]
     fn next(&mut self, first: &mut First) -> Result<Option<usize>, QueryError> {
         for (number, ray) in &mut self.rays {
@@ -122,7 +129,7 @@ fn each<T>(
         *hit = found;
         all.add(&walk);
     }
-    Ok(all)
+    Ok(unstopped(all))
 }
 
 /// [`ray::all`] for some of `rays`: every hit with the number of its ray, ray after ray. A full sink

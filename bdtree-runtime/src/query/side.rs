@@ -107,10 +107,10 @@ impl<'q> Side<'q> {
 
     /// Of so many walks, how many to do before the next: [`Refine::batch`].
     pub(super) fn batch(&mut self, walks: usize) -> usize {
+        let is_whole =
+            self.is_stale || self.refined.is_some() || self.limit.is_some() || self.drift.is_some();
         match &mut self.refining {
-            Some(refining) if !self.is_stale && self.refined.is_none() => {
-                refining.batch(&self.pose, walks)
-            }
+            Some(refining) if !is_whole => refining.batch(&self.pose, walks),
             _ => walks,
         }
     }

@@ -23,13 +23,25 @@ pub(super) struct Room<'r> {
 pub(super) struct Levels<'a> {
     asset: &'a Asset<'a>,
     next: Range<usize>,
+    /// Levels to come, at most.
+    left: usize,
 }
 
 impl<'a> Levels<'a> {
     pub(super) fn new(asset: &'a Asset<'a>, root: usize) -> Self {
-        let next = root..root + 1;
-        Self { asset, next }
+        Self {
+            asset,
+            next: root..root + 1,
+            left: asset.depth(),
+        }
     }
+}
+
+/// Triangles below a node.
+pub(super) fn triangles_below(asset: &Asset<'_>, root: usize) -> usize {
+    let levels = Levels::new(asset, root);
+    let triangles = levels.map(|level| slots_of(asset, &level).len());
+    triangles.fold(0, usize::saturating_add)
 }
 
 impl Iterator for Levels<'_> {
@@ -37,11 +49,12 @@ impl Iterator for Levels<'_> {
 
     fn next(&mut self) -> Option<Range<usize>> {
         let level = self.next.clone();
-        if level.is_empty() {
+        if level.is_empty() || self.left == 0 {
             return None;
         }
+        self.left -= 1;
         let [start, end] = [level.start, level.end].map(|node| first_child(self.asset, node));
-        // Of a damaged file too, children stand behind their nodes, so that this ends.
+        // In damaged files, too, children stand behind their nodes.
         self.next = start.max(level.end)..end;
         Some(level)
     }
@@ -53,10 +66,11 @@ fn first_child(asset: &Asset<'_>, node: usize) -> usize {
 }
 
 /// The triangles in the leaves of these nodes.
-pub(super) fn slots_of(asset: &Asset<'_>, nodes: &Range<usize>) -> Range<usize> {
+fn slots_of(asset: &Asset<'_>, nodes: &Range<usize>) -> Range<usize> {
+    let all = asset.triangle_count();
     let first = |node: usize| {
         let node = asset.nodes().get(node);
-        node.map_or(asset.triangle_count(), |node| node.first_slot as usize)
+        node.map_or(all, |node| all.min(node.first_slot as usize))
     };
     first(nodes.start)..first(nodes.end)
 }
@@ -82,7 +96,9 @@ pub(super) fn refine(
         let behind = node_count + level.len();
         // From their numbers in the asset to those here: children stand behind this level.
         let children = first_child(asset, level.start);
-        let shift = (first_node + behind as u32).wrapping_sub(children as u32);
+        let shift = first_node
+            .wrapping_add(behind as u32)
+            .wrapping_sub(children as u32);
         let records: &[NodeRecord] = asset.nodes().get(level.clone()).unwrap_or_default();
         let groups = |node: &NodeRecord| groups_in(&node.leaf_counts) as usize;
         let end = leaf_count + records.iter().map(groups).sum::<usize>();

@@ -3,20 +3,16 @@
 //! What lies above them has boxes around the spheres of its lanes. A walk goes from those into branches that are refined and, by
 //! spheres, into those that are not ([`crate::traverse`], unrefined), which count what they would have gained.
 
-use bdtree_format::LANES;
 use core::ops::Range;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-use super::branch::{Levels, Room, refine, slots_of};
+use super::branch::{Room, refine, triangles_below};
 use super::by_itself::{cost_of, enough_after};
-use super::record::{Boxes, RefinedLeaf, RefinedNode};
+use super::record::{RefinedLeaf, RefinedNode};
+use super::tops::{TOP_COST, Tops, tighten};
 use super::{Counts, Refined};
-use crate::bound::WideSpheres;
-use crate::cache::{Kept, Posed};
-use crate::error::FormatError;
-use crate::pose::Pose;
-use crate::simd::{Lanes, Work};
-use crate::traverse::{UNREFINED, lane_subtree, used_lanes};
+use crate::pose::{Pose, identity};
+use crate::traverse::UNREFINED;
 use crate::view::Asset;
 use crate::workspace::Memory;
 
@@ -130,9 +126,11 @@ impl Layout {
     fn new(asset: &Asset<'_>, counts: Counts, bytes: usize) -> Option<Self> {
         let roots = roots(asset)?;
         let (branches, tops) = (roots.len(), roots.start);
-        let fixed = size_of::<Branch>() * branches + size_of::<RefinedNode>() * tops;
+        let fixed = (size_of::<Branch>().saturating_mul(branches))
+            .saturating_add(size_of::<RefinedNode>().saturating_mul(tops));
         let [below, leaves] = [counts.nodes.checked_sub(tops)?, counts.leaves];
-        let all = size_of::<RefinedNode>() * below + size_of::<RefinedLeaf>() * leaves;
+        let all = (size_of::<RefinedNode>().saturating_mul(below))
+            .saturating_add(size_of::<RefinedLeaf>().saturating_mul(leaves));
         let room = bytes.checked_sub(fixed)?.min(all);
         let share = |count: usize| (count as u64 * room as u64 / (all as u64).max(1)) as usize;
         let layout = Self {
@@ -142,7 +140,7 @@ impl Layout {
             tops,
         };
         // Room for two branches at least.
-        (branches * share(leaves) >= 2 * leaves).then_some(layout)
+        (branches as u64 * share(leaves) as u64 >= 2 * leaves as u64).then_some(layout)
     }
 }
 
@@ -174,9 +172,8 @@ fn roots(asset: &Asset<'_>) -> Option<Range<usize>> {
 #[derive(Debug, Default)]
 pub(super) struct BranchCache {
     layout: Option<Layout>,
-    /// Of what the layout is: where nodes are and how many, and of how many bytes. What another asset at the same place makes of it
-    /// is another layout than the best.
-    of: [usize; 3],
+    /// Of what the layout is: an asset and so many bytes.
+    of: Option<((usize, u32), usize)>,
     /// Memory holds the branches, and what is known of them.
     is_known: bool,
     /// Memory holds this step's boxes of what is above them.
@@ -186,8 +183,9 @@ pub(super) struct BranchCache {
     is_full: bool,
     open: u64,
     is_due: bool,
-    /// Triangles of refined branches.
+    /// Triangles of refined branches, and what refining them has cost.
     triangles: usize,
+    spent: u64,
 }
 
 impl BranchCache {
@@ -197,7 +195,7 @@ impl BranchCache {
             true => usize::MAX,
             false => memory.len(),
         };
-        let of = [asset.nodes().as_ptr().addr(), asset.node_count(), bytes];
+        let of = Some((identity(asset), bytes));
         if self.of != of {
             let counts = Counts::of(asset).ok();
             *self = Self {
@@ -217,6 +215,16 @@ impl BranchCache {
                 TOP_COST * layout.tops as u64,
             ]
         })
+    }
+
+    /// Whether there are any.
+    pub(super) fn are_there(&self) -> bool {
+        self.layout.is_some()
+    }
+
+    /// What refining branches has cost in this step.
+    pub(super) fn spent(&self) -> u64 {
+        self.spent
     }
 
     pub(super) fn is_active(&self) -> bool {
@@ -240,7 +248,7 @@ impl BranchCache {
 
     fn leave(&mut self) {
         self.is_active = false;
-        (self.triangles, self.is_due, self.open) = (0, false, 0);
+        (self.triangles, self.is_due, self.open, self.spent) = (0, false, 0, 0);
     }
 
     /// Begins another step; what branches cost if the next step is like this one, and what refining those that pay saves then.
@@ -248,12 +256,12 @@ impl BranchCache {
         let layout = self.layout.filter(|_| self.is_active);
         self.leave();
         let (branches, ..) = self.carve(memory, layout?)?;
-        let (mut cost, mut saved) = (0, 0);
+        let [mut cost, mut saved] = [0_u64; 2];
         for branch in branches {
             let gain = branch.gain_of_all();
             let least = gain.min(branch.cost.into());
-            cost += least;
-            saved += gain - least;
+            cost = cost.saturating_add(least);
+            saved = saved.saturating_add(gain - least);
             branch.next_step();
         }
         Some([cost, saved])
@@ -274,10 +282,9 @@ impl BranchCache {
         };
         if !self.is_known {
             for (number, branch) in branches.iter_mut().enumerate() {
-                let levels = Levels::new(pose.asset, layout.tops + number);
-                let triangles = levels.map(|level| slots_of(pose.asset, &level).len());
+                let triangles = triangles_below(pose.asset, layout.tops + number);
                 // Vertices are deformed for each of their triangles.
-                let cost = cost_of(pose.asset, triangles.sum::<usize>() * 5 / 2);
+                let cost = cost_of(pose.asset, triangles).saturating_mul(5) / 2;
                 let cost = cost.min(u32::MAX.into()) as u32;
                 *branch = Branch {
                     at: 0,
@@ -290,8 +297,11 @@ impl BranchCache {
             }
         }
         let nodes = nodes.get_mut(..layout.tops).unwrap_or_default();
-        // A damaged asset is what walks tell of.
         self.is_active = pose.asset.kernel.run(Tops { pose, nodes }).is_ok();
+        if !self.is_active {
+            // A damaged asset is what walks tell of.
+            self.layout = None;
+        }
         self.is_known = true;
         self.used = [layout.tops, 0];
         self.is_full = false;
@@ -314,11 +324,12 @@ impl BranchCache {
         for (number, branch) in branches.iter_mut().enumerate() {
             let (gain, cost) = (u64::from(branch.gain), u64::from(branch.cost));
             let is_due = gain >= branch.enough.into() || gain.saturating_mul(1 + more) >= cost;
-            if branch.at > 0 || gain == 0 || !is_due {
+            if branch.at > 0 || gain == 0 || !is_due || branch.cost == u32::MAX {
                 continue;
             }
             let [used_nodes, used_leaves] = self.used;
             let (above, nodes) = nodes.split_at_mut(used_nodes.min(nodes.len()));
+            let tops = above.get_mut(..layout.tops).unwrap_or_default();
             let room = Room {
                 nodes: &mut *nodes,
                 first_node: used_nodes as u32,
@@ -331,12 +342,11 @@ impl BranchCache {
                     branch.at = used_nodes as u32;
                     self.used = [used_nodes + more_nodes, used_leaves + more_leaves];
                     self.open = self.open.saturating_sub(gain);
-                    let levels = Levels::new(pose.asset, root);
-                    self.triangles += levels
-                        .map(|level| slots_of(pose.asset, &level).len())
-                        .sum::<usize>();
+                    self.spent = self.spent.saturating_add(cost);
+                    let triangles = triangles_below(pose.asset, root);
+                    self.triangles = self.triangles.saturating_add(triangles);
                     if let Some(refined) = nodes.first() {
-                        tighten(pose.asset, above, root, refined);
+                        tighten(pose.asset, tops, root, refined);
                     }
                 }
                 Ok(None) => {
@@ -345,8 +355,8 @@ impl BranchCache {
                 }
                 Err(_) => {
                     // Never again.
-                    (branch.cost, branch.enough) = (u32::MAX, u32::MAX);
-                    branch.gain = 0;
+                    (branch.cost, branch.enough, branch.gain) = (u32::MAX, u32::MAX, 0);
+                    self.open = self.open.saturating_sub(gain);
                 }
             }
         }
@@ -395,106 +405,3 @@ type Parts<'m> = (
     &'m mut [RefinedNode],
     &'m mut [RefinedLeaf],
 );
-
-/// What evaluating a node and boxes around its spheres costs, in the unit of [`Walk::gain`](crate::traverse::Walk::gain).
-const TOP_COST: u64 = 12;
-
-/// Gives nodes boxes around the spheres of their lanes.
-struct Tops<'p> {
-    pose: &'p Pose<'p>,
-    nodes: &'p mut [RefinedNode],
-}
-
-impl Work for Tops<'_> {
-    type Output = Result<(), FormatError>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
-        let Self { pose, nodes } = self;
-        let asset = pose.asset;
-        let tops = nodes.len() as u32;
-        let mut posed = Posed::new(pose, None, Kept::nothing(), None);
-        for (index, slot) in (0..).zip(&mut *nodes) {
-            let node = asset.node(index)?;
-            let mut spheres = WideSpheres::<L>::empty();
-            posed.spheres(asset, index, &mut spheres)?;
-            let used = used_lanes(node);
-            let mut starts = [0; LANES];
-            for lane in 0..LANES {
-                let start = lane_subtree(node, lane).start;
-                let is_here = node.leaf_mask >> lane & 1 == 0 && start < tops;
-                starts[lane] = if is_here { start } else { start | UNREFINED };
-            }
-            *slot = RefinedNode {
-                boxes: Boxes::around(&spheres),
-                starts,
-                triangles: node.leaf_counts,
-                used,
-                inner_mask: used & !node.leaf_mask,
-                unused: [0; 6],
-            };
-        }
-        // Spheres that hold less are tighter.
-        for index in (0..nodes.len()).rev() {
-            let (front, behind) = nodes.split_at_mut(index + 1);
-            let Some(slot) = front.last_mut() else {
-                break;
-            };
-            for lane in 0..LANES {
-                let child = slot.starts[lane] as usize;
-                let is_here = slot.inner_mask >> lane & 1 != 0 && child < tops as usize;
-                if let Some(child) = behind.get(child.wrapping_sub(index + 1))
-                    && is_here
-                {
-                    cut(slot, lane, child);
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Makes the boxes above a branch smaller, now that its own are exact.
-fn tighten(asset: &Asset<'_>, tops: &mut [RefinedNode], root: usize, refined: &RefinedNode) {
-    let (mut child, mut tight) = (root, *refined);
-    while child > 0 {
-        // The last node whose children do not begin behind this one.
-        let above = asset.nodes().get(..child.min(tops.len()));
-        let behind = above
-            .unwrap_or_default()
-            .partition_point(|node| node.first_child as usize <= child);
-        let Some(parent) = behind.checked_sub(1) else {
-            return;
-        };
-        let Some((slot, lane)) = tops
-            .get_mut(parent)
-            .and_then(|slot| lane_of(slot, child).map(|lane| (slot, lane)))
-        else {
-            return;
-        };
-        cut(slot, lane, &tight);
-        (child, tight) = (parent, *slot);
-    }
-}
-
-/// Cuts the box of a lane down to what the boxes of the node hold that it leads to.
-fn cut(slot: &mut RefinedNode, lane: usize, child: &RefinedNode) {
-    for axis in 0..3 {
-        let [mut low, mut high] = [f32::INFINITY, f32::NEG_INFINITY];
-        for of in (0..LANES).filter(|of| child.used >> of & 1 != 0) {
-            low = low.min(child.boxes.low[axis][of]);
-            high = high.max(child.boxes.high[axis][of]);
-        }
-        let boxes = &mut slot.boxes;
-        let (of_low, of_high) = (&mut boxes.low[axis][lane], &mut boxes.high[axis][lane]);
-        (*of_low, *of_high) = (of_low.max(low), of_high.min(high));
-    }
-}
-
-/// The lane that leads to a node of the asset.
-fn lane_of(slot: &RefinedNode, child: usize) -> Option<usize> {
-    (0..LANES).find(|lane| {
-        let is_inner = slot.inner_mask >> lane & 1 != 0;
-        is_inner && (slot.starts[*lane] & !UNREFINED) as usize == child
-    })
-}

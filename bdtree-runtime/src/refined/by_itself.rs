@@ -4,8 +4,8 @@
 //! Refining costs what grows with the mesh alone: it deforms vertices. Then each node and each triangle that is visited
 //! costs less. The first walk of a step refines what the step before would have saved as much in. Where it would not have, a step
 //! refines what would have saved twice as much by now, so that steps that ask about as much as pays do not pay for both. A step among
-//! its like so costs as much as the better of both ways, and one that asks unexpectedly much at most about three times as much (by
-//! the rule above, not measured).
+//! its like so costs as much as the better of both ways, and one that asks unexpectedly much at most about four times as much (by
+//! the rules above, not measured: twice what pays by spheres, nine tenths of the whole in branches, and the whole).
 //!
 //! Many rays together are asked in batches: the first few tell where the others will come, as far as they are like them.
 
@@ -146,7 +146,7 @@ impl<'m> Refining<'m> {
             true => self.whole_steps + 1,
             false => 0,
         };
-        if self.whole_steps == WHOLE_STEPS {
+        if self.whole_steps == WHOLE_STEPS && self.branches.are_there() {
             (self.whole_steps, self.enough, self.look_from) = (0, cost, Some(0));
         }
         self.cost = cost;
@@ -190,7 +190,9 @@ impl<'m> Refining<'m> {
             let open = self.elsewhere.saturating_add(*branches.open());
             let lost = self.gain.saturating_mul(1 + more) / LOST;
             let is_dear = |worth: u64| worth.saturating_add(lost) >= self.cost / 10 * TENTHS;
-            open >= self.enough || more > 0 && is_dear(branches.worth(&mut refined.memory, more))
+            open >= self.enough
+                || is_dear(branches.spent())
+                || more > 0 && is_dear(branches.worth(&mut refined.memory, more))
         };
         if is_whole && pose.asset.triangle_count() < self.too_large && self.prepare(pose) {
             return;
@@ -221,9 +223,10 @@ impl<'m> Refining<'m> {
     fn prepare(&mut self, pose: &Pose<'_>) -> bool {
         // A damaged asset is what walks tell of.
         self.is_ready = self.pose.prepare(pose).is_ok();
-        match self.is_ready {
-            true => self.branches.forget(),
-            false => self.too_large = pose.asset.triangle_count(),
+        // Where it has failed it may have written all the same.
+        self.branches.forget();
+        if !self.is_ready {
+            self.too_large = pose.asset.triangle_count();
         }
         self.is_ready
     }
@@ -244,7 +247,7 @@ pub(crate) trait Refine: core::fmt::Debug + Send + Sync {
 impl Refine for Refining<'_> {
     fn batch(&mut self, pose: &Pose<'_>, walks: usize) -> usize {
         let is_settled = self.is_ready
-            || self.enough == 0
+            || self.enough == 0 && pose.asset.triangle_count() < self.too_large
             || !(self.branches).lay_out(pose.asset, &mut self.pose.memory);
         match is_settled {
             true => walks,
@@ -268,7 +271,7 @@ impl Refine for Refining<'_> {
     fn after(&mut self, walk: &Walk, walks: usize) {
         self.walks = self.walks.saturating_add(walks as u64);
         let refined_gain = |gain: u64| gain.saturating_mul(OF_ONE);
-        let gain = if self.is_ready {
+        let gain = if self.is_ready && walk.has_boxes {
             refined_gain(walk.gain)
         } else if self.branches.is_active() && walk.has_boxes {
             let open = *self.branches.open();

@@ -13,6 +13,7 @@ mod by_itself;
 mod prepare;
 mod record;
 mod sweep;
+mod tops;
 mod vertices;
 
 pub(crate) use branches::Branches;

@@ -9,7 +9,8 @@ use crate::rounding::{BOX_AROUND, BOX_RADIUS};
 use crate::simd::Lanes;
 
 /// Eight boxes, side by side (stored units, relative to the origin): the least and the greatest coordinates of all deformed
-/// corners below a lane, exactly. Of a lane that leads nowhere the least is above the greatest.
+/// corners below a lane, exactly; above branches, boxes that hold them. Of a lane that leads nowhere the least is above the greatest,
+/// or they are any numbers.
 #[derive(Debug, Clone, Copy, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[repr(C)]
 pub(crate) struct Boxes {
@@ -70,7 +71,8 @@ impl Boxes {
 #[repr(C)]
 pub(crate) struct RefinedNode {
     pub(crate) boxes: Boxes,
-    /// Where each lane leads: the index of a node, or of the first group of a leaf.
+    /// Where each lane leads: the index of a node, or of the first group of a leaf. With the bit
+    /// [`UNREFINED`](crate::traverse::UNREFINED) that of a node of the asset, or of a leaf's first triangle slot.
     pub(crate) starts: [u32; LANES],
     /// Of each lane's leaf; 0 where it leads to a node.
     pub(crate) triangles: [u8; LANES],

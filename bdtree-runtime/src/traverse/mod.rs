@@ -41,7 +41,7 @@ pub(crate) use one::one;
 pub(crate) use refined::Mixed;
 pub(crate) use stream::{Questions, STREAM, stream};
 pub(crate) use two::Two;
-pub(crate) use unrefined::UNREFINED;
+pub(crate) use unrefined::{UNREFINED, there_is};
 pub(crate) use visitor::{Four, PairVisitor, Visitor, Walk};
 
 use bdtree_format::{NodeRecord, SectionKind};

@@ -48,7 +48,7 @@ pub(crate) fn one<V: Visitor>(
                 visitor,
             }),
         };
-        return walk.map(Walk::of::<V>);
+        return walk.map(Walk::of_boxes::<V>);
     }
     let walk = asset.kernel.run(OneWalk {
         posed: &mut posed,

@@ -56,7 +56,7 @@ pub(crate) fn stream<V: Visitor + Default, Q: Questions<V>>(
             of,
         }),
     };
-    walk.map(Walk::of::<V>)
+    walk.map(Walk::of_boxes::<V>)
 }
 
 struct Stream<'w, V, Q, R> {

@@ -16,12 +16,23 @@ use crate::cache::{CHUNK, LeafChunk, Posed};
 use crate::error::QueryError;
 use crate::refined::Branches;
 use crate::simd::{Lanes, Order, Work};
+use crate::view::Asset;
 
 /// Marks what is not refined.
 pub(crate) const UNREFINED: u32 = 1 << 31;
 
 /// Where the branch's number is.
 const BRANCH: u32 = 8;
+
+/// # Errors
+/// An entry that the asset does not have, and whose number may have the bit.
+pub(crate) fn there_is(asset: &Asset<'_>, at: Subtree) -> Result<(), QueryError> {
+    match at.triangles {
+        0 => _ = asset.node(at.start)?,
+        _ => _ = asset.leaf(at)?,
+    }
+    Ok(())
+}
 
 /// What walks need where not all is refined.
 pub(crate) struct Unrefined<'u> {
@@ -199,6 +210,7 @@ impl<V: Visitor> Visit<'_, '_, '_, V> {
             if node.leaf_mask >> lane & 1 != 0 && at.triangles == 0 {
                 continue; // a corrupt file's
             }
+            there_is(asset, at)?;
             mask |= 1 << lane;
             starts[lane] = at.start | UNREFINED;
             triangles[lane] = at.triangles | branch << BRANCH;

@@ -163,7 +163,7 @@ pub(crate) struct Walk {
     /// What the walk would have saved on a refined pose, preparing not counted, in what a triangle of a visited leaf saves: some
     /// 15 ns. Walks of one tree know it.
     pub(crate) gain: u64,
-    /// Whether the visitor asks boxes.
+    /// Whether it has asked boxes.
     pub(crate) has_boxes: bool,
     /// The visitor broke off.
     pub(crate) stopped: bool,
@@ -175,10 +175,16 @@ impl Walk {
     pub(super) fn of<V: Visitor>(self) -> Self {
         let of_nodes = self.nodes_visited.saturating_mul(V::NODE_GAIN);
         let gain = of_nodes.saturating_add(self.triangles);
+        Self { gain, ..self }
+    }
+
+    /// The same of one that has asked boxes.
+    #[inline(always)]
+    pub(super) fn of_boxes<V: Visitor>(self) -> Self {
+        let walk = self.of::<V>();
         Self {
-            gain,
-            has_boxes: V::HAS_BOXES,
-            ..self
+            has_boxes: true,
+            ..walk
         }
     }
 
