@@ -37,24 +37,43 @@ pub(crate) struct Branch {
     /// How often walks have come to it in this step: before it was refined, and in all.
     unrefined: u32,
     entered: u32,
+    /// What a walk that comes to it gains on average, times [`RATE`].
+    rate: u32,
 }
 
+/// Parts of the unit that averages are kept in.
+const RATE: u64 = 16;
+
 impl Branch {
-    /// What all walks of the step would have gained.
-    fn gain_of_all(&self) -> u64 {
-        let gain = u64::from(self.gain) * u64::from(self.entered);
-        gain / u64::from(self.unrefined.max(1))
+    /// One of which nothing is known but what it costs.
+    fn new(cost: u32) -> Self {
+        Self {
+            at: 0,
+            cost,
+            enough: cost,
+            gain: 0,
+            unrefined: 0,
+            entered: 0,
+            rate: 0,
+        }
     }
 
-    /// Begins another step.
-    fn next_step(&mut self) {
-        self.enough =
-            enough_after(self.gain_of_all(), self.cost.into()).min(u32::MAX.into()) as u32;
-        self.forget();
-    }
-
-    fn forget(&mut self) {
+    /// Begins another step; what all walks of the last one would have gained.
+    fn next_step(&mut self) -> u64 {
+        if let Some(rate) = (RATE * u64::from(self.gain)).checked_div(self.unrefined.into()) {
+            // What few walks tell of a step differs much from step to step.
+            let known = u64::from(self.rate);
+            let rate = if known == 0 {
+                rate
+            } else {
+                (3 * known + rate) / 4
+            };
+            self.rate = rate.min(u32::MAX.into()) as u32;
+        }
+        let gain = u64::from(self.rate) * u64::from(self.entered) / RATE;
+        self.enough = enough_after(gain, self.cost.into()).min(u32::MAX.into()) as u32;
         [self.at, self.gain, self.unrefined, self.entered] = [0; 4];
+        gain
     }
 }
 
@@ -251,20 +270,21 @@ impl BranchCache {
         (self.triangles, self.is_due, self.open, self.spent) = (0, false, 0, 0);
     }
 
-    /// Begins another step; what branches cost if the next step is like this one, and what refining those that pay saves then.
-    pub(super) fn next_step(&mut self, memory: &mut Memory<'_>) -> Option<[u64; 2]> {
+    /// Begins another step; what branches cost if the next step is like this one, what refining those that pay saves then, and what
+    /// walks would have gained in branches that were not refined.
+    pub(super) fn next_step(&mut self, memory: &mut Memory<'_>) -> Option<[u64; 3]> {
         let layout = self.layout.filter(|_| self.is_active);
+        let open = self.open;
         self.leave();
         let (branches, ..) = self.carve(memory, layout?)?;
         let [mut cost, mut saved] = [0_u64; 2];
         for branch in branches {
-            let gain = branch.gain_of_all();
+            let gain = branch.next_step();
             let least = gain.min(branch.cost.into());
             cost = cost.saturating_add(least);
             saved = saved.saturating_add(gain - least);
-            branch.next_step();
         }
-        Some([cost, saved])
+        Some([cost, saved, open])
     }
 
     fn carve<'m>(&self, memory: &'m mut Memory<'_>, layout: Layout) -> Option<Parts<'m>> {
@@ -286,14 +306,7 @@ impl BranchCache {
                 // Vertices are deformed for each of their triangles.
                 let cost = cost_of(pose.asset, triangles).saturating_mul(5) / 2;
                 let cost = cost.min(u32::MAX.into()) as u32;
-                *branch = Branch {
-                    at: 0,
-                    cost,
-                    enough: cost,
-                    gain: 0,
-                    unrefined: 0,
-                    entered: 0,
-                };
+                *branch = Branch::new(cost);
             }
         }
         let nodes = nodes.get_mut(..layout.tops).unwrap_or_default();

@@ -31,7 +31,8 @@ const BATCH: usize = 64;
 /// After so many steps that have refined the whole pose another one looks whether branches would do.
 const WHOLE_STEPS: u32 = 32;
 
-/// What walks lose of their gain where branches alone are refined: boxes above them are around spheres.
+/// What walks lose of their gain where branches alone are refined, as one part of so many: boxes above them are around spheres, and they
+/// have to be entered. Walks by spheres lose as much.
 const LOST: u64 = 10;
 
 /// Branches that together cost more than this share of the whole pose, what is lost included, are not worth their while: in tenths.
@@ -131,13 +132,12 @@ impl<'m> Refining<'m> {
         if self.looked == LOOK_AGAIN {
             self.look_from = None;
         }
-        if let Some([of_branches, saved]) = branches {
+        if let Some([of_branches, saved, open]) = branches {
             let [_, tops] = self.branches.costs(cost);
-            let lost = self.gain / LOST;
-            let pays = saved >= 2 * tops + lost;
+            let pays = saved >= tops + open / LOST;
             self.look_from = Some(if pays { 0 } else { 2 * self.gain });
             self.looked = 0;
-            let lost = lost.saturating_add(self.elsewhere);
+            let lost = (self.gain / LOST).saturating_add(self.elsewhere);
             if self.enough == 0 && of_branches.saturating_add(lost) < cost / 10 * TENTHS {
                 self.enough = cost.saturating_mul(2);
             }
