@@ -9,7 +9,7 @@ use crate::depth::DepthLimit;
 use crate::epoch::Drift;
 use crate::error::FormatError;
 use crate::pose::Pose;
-use crate::refined::{Branches, Refined};
+use crate::refined::{Bounds, Refined};
 use crate::simd::{Lanes, Work, prefetch, prefetch_from};
 use crate::view::Asset;
 
@@ -20,10 +20,8 @@ pub(crate) struct Posed<'s> {
     pub(super) drift: Option<(&'s Pose<'s>, Drift)>,
     kept: Kept<'s>,
     pub(crate) limit: Option<DepthLimit<'s>>,
-    /// The same pose, refined; not for walks that report spheres.
-    pub(crate) refined: Option<Refined<'s>>,
-    /// Branches of it that are refined, and what is above them; for walks that ask boxes.
-    pub(crate) branches: Option<(Refined<'s>, Branches<'s>)>,
+    /// What of the same pose is refined: all of it, not for walks that report spheres, or branches, for walks that ask boxes.
+    pub(crate) refined: Bounds<'s>,
 }
 
 impl<'s> Posed<'s> {
@@ -41,8 +39,7 @@ impl<'s> Posed<'s> {
             drift,
             kept,
             limit,
-            refined: None,
-            branches: None,
+            refined: Bounds::Unrefined,
         }
     }
 }
@@ -66,7 +63,6 @@ impl<'s> Posed<'s> {
             kept: self.kept,
             limit: self.limit.map(DepthLimit::shorter),
             refined: self.refined,
-            branches: self.branches,
         }
     }
 
@@ -108,14 +104,13 @@ impl Posed<'_> {
             drift: self.drift,
             kept: self.kept.again(),
             limit: self.limit.as_mut().map(DepthLimit::again),
-            refined: self.refined,
-            branches: (self.branches.as_mut()).map(|(refined, of)| (*refined, of.again())),
+            refined: self.refined.again(),
         }
     }
 
     /// Whether walks that ask boxes find some.
     pub(crate) fn has_boxes(&self) -> bool {
-        self.refined.is_some() || self.branches.is_some()
+        !matches!(self.refined, Bounds::Unrefined)
     }
 
     /// No deformed vertex and no lane center is farther from the origin, not where the spheres are
@@ -219,7 +214,7 @@ impl Posed<'_> {
         index: u32,
         out: &mut WideSpheres<L>,
     ) -> Result<bool, FormatError> {
-        if let Some(refined) = &self.refined {
+        if let Some(refined) = self.refined.whole() {
             core::hint::cold_path(); // the other way is the one that must not wait
             refined.spheres(asset, index, out)?;
             return Ok(false);
@@ -277,7 +272,7 @@ impl Posed<'_> {
         records: &[TriangleRecord],
         spare: &'l mut LeafChunk,
     ) -> Result<&'l LeafChunk, FormatError> {
-        let (pose, refined) = (self.pose, self.refined.as_ref());
+        let (pose, refined) = (self.pose, self.refined.whole());
         let tag = tag(self.kept.step, start);
         let len = records.len().min(CHUNK) as u32;
         let place = leaf_place(start, self.kept.leaves.len());

@@ -83,16 +83,11 @@ impl<'q> Side<'q> {
         let limit = self.limit.as_mut().map(Proxies::limit);
         let mut posed = Posed::new(&self.pose, self.drift, self.kept.again(), limit);
         if walks > 0 && posed.limit.is_none() && self.drift.is_none() {
-            posed.refined = self.refined;
-            if posed.refined.is_none()
-                && let Some(refining) = &mut self.refining
-            {
-                match refining.before(&self.pose, walks) {
-                    Bounds::Unrefined => {}
-                    Bounds::Whole(refined) => posed.refined = Some(refined),
-                    Bounds::Some(refined, branches) => posed.branches = Some((refined, branches)),
-                }
-            }
+            posed.refined = match (self.refined, &mut self.refining) {
+                (Some(given), _) => Bounds::Whole(given),
+                (None, Some(refining)) => refining.before(&self.pose, walks),
+                (None, None) => Bounds::Unrefined,
+            };
         }
         Ok(posed)
     }

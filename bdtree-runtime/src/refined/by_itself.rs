@@ -69,12 +69,34 @@ pub(super) fn enough_after(gain: u64, cost: u64) -> u64 {
     }
 }
 
-/// What a query has of a step cache's refined pose.
+/// What of a pose is refined, for a query.
 #[derive(Debug)]
 pub(crate) enum Bounds<'r> {
     Unrefined,
     Whole(Refined<'r>),
+    /// Branches, and what is above them.
     Some(Refined<'r>, Branches<'r>),
+}
+
+impl<'r> Bounds<'r> {
+    /// The same for a shorter time.
+    #[inline]
+    pub(crate) fn again(&mut self) -> Bounds<'_> {
+        match self {
+            Self::Unrefined => Bounds::Unrefined,
+            Self::Whole(refined) => Bounds::Whole(*refined),
+            Self::Some(refined, branches) => Bounds::Some(*refined, branches.again()),
+        }
+    }
+
+    /// The whole pose.
+    #[inline(always)]
+    pub(crate) fn whole(&self) -> Option<&Refined<'r>> {
+        match self {
+            Self::Whole(refined) => Some(refined),
+            _ => None,
+        }
+    }
 }
 
 /// A step cache's memory for refined poses, and when it uses it.

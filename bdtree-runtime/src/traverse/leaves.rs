@@ -114,7 +114,7 @@ impl Leaves {
         deform(
             posed.pose.asset,
             posed.pose,
-            posed.refined.as_ref(),
+            posed.refined.whole(),
             records,
             chunk,
         )?;

@@ -12,7 +12,7 @@ use super::{StackEntry, Subtree};
 use crate::cache::{CHUNK, Posed};
 use crate::error::QueryError;
 use crate::pose::Pose;
-use crate::refined::Refined;
+use crate::refined::{Bounds, Refined};
 use crate::simd::{Lanes, Order, Work, prefetch_lines};
 
 /// What is walked: the same pose twice.
@@ -40,15 +40,19 @@ impl<'w> Mixed<'w> {
             return None;
         }
         let pose = posed.pose;
-        if let Some(refined) = posed.refined {
-            let tree = RefinedTree { pose, refined };
-            return Some(Self { tree, rest: None });
+        match core::mem::replace(&mut posed.refined, Bounds::Unrefined) {
+            Bounds::Unrefined => None,
+            Bounds::Whole(refined) => {
+                let tree = RefinedTree { pose, refined };
+                Some(Self { tree, rest: None })
+            }
+            Bounds::Some(refined, branches) => {
+                core::hint::cold_path();
+                let tree = RefinedTree { pose, refined };
+                let rest = Some(Unrefined::new(posed.again(), branches));
+                Some(Self { tree, rest })
+            }
         }
-        let (refined, branches) = posed.branches.take()?;
-        core::hint::cold_path();
-        let tree = RefinedTree { pose, refined };
-        let rest = Some(Unrefined::new(posed.again(), branches));
-        Some(Self { tree, rest })
     }
 }
 

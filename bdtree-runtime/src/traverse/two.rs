@@ -21,6 +21,7 @@ use crate::depth::DepthLimit;
 use crate::error::QueryError;
 use crate::pair_frame::PairFrame;
 use crate::pose::Pose;
+use crate::refined::Bounds;
 use crate::rounding::SKIP;
 use crate::simd::{Lanes, Work};
 use crate::view::Asset;
@@ -60,7 +61,7 @@ impl<'s> Two<'s> {
         let is_limited = cuts(&posed_a, asset_a) || cuts(&posed_b, asset_b);
         if is_limited {
             // Spheres are the answer then.
-            (posed_a.refined, posed_b.refined) = (None, None);
+            (posed_a.refined, posed_b.refined) = (Bounds::Unrefined, Bounds::Unrefined);
         }
         // Where one side is cut off, the other's sink takes the spheres that those meet.
         let limits = [posed_a.limit.take(), posed_b.limit.take()];
