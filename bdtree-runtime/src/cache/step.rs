@@ -105,7 +105,7 @@ impl<'m> StepCache<'m> {
     }
 
     /// Lets the cache refine poses by itself, in this memory, where it pays: the whole pose, as [`RefinedPose::prepare`] does, or of
-    /// meshes from 5600 triangles on the parts where queries come often, in as much memory as there is. At once in a step that
+    /// meshes from 5600 triangles on the parts where queries come often, in as much memory as there is, if that is enough for two. At once in a step that
     /// follows one in which it would have paid, or when the first of many rays together tell that it will, else when the step has
     /// visited as much as pays, or twice as much if the step before did not. Answers stay the same.
     ///

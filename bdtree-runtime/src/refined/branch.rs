@@ -100,6 +100,15 @@ pub(super) fn refine(
             .wrapping_add(behind as u32)
             .wrapping_sub(children as u32);
         let records: &[NodeRecord] = asset.nodes().get(level.clone()).unwrap_or_default();
+        // Else lanes would lead beside their nodes.
+        let inner = records
+            .iter()
+            .map(|node| node.inner_mask.count_ones() as usize);
+        let (inner, behind_children) = (inner.sum::<usize>(), first_child(asset, level.end));
+        if behind_children.checked_sub(children) != Some(inner) || inner > 0 && children < level.end
+        {
+            return Err(asset.endless(asset.node_count() as u64).into());
+        }
         let groups = |node: &NodeRecord| groups_in(&node.leaf_counts) as usize;
         let end = leaf_count + records.iter().map(groups).sum::<usize>();
         let (Some(nodes), Some(leaves)) = (

@@ -151,7 +151,7 @@ impl Layout {
         let all = (size_of::<RefinedNode>().saturating_mul(below))
             .saturating_add(size_of::<RefinedLeaf>().saturating_mul(leaves));
         let room = bytes.checked_sub(fixed)?.min(all);
-        let share = |count: usize| (count as u64 * room as u64 / (all as u64).max(1)) as usize;
+        let share = |count: usize| (count as u128 * room as u128 / (all as u128).max(1)) as usize;
         let layout = Self {
             branches,
             nodes: tops + share(below),
@@ -336,7 +336,8 @@ impl BranchCache {
         };
         for (number, branch) in branches.iter_mut().enumerate() {
             let (gain, cost) = (u64::from(branch.gain), u64::from(branch.cost));
-            let is_due = gain >= branch.enough.into() || gain.saturating_mul(1 + more) >= cost;
+            let is_foreseen = more > 0 && gain.saturating_mul(1 + more) >= cost;
+            let is_due = gain >= branch.enough.into() || is_foreseen;
             if branch.at > 0 || gain == 0 || !is_due || branch.cost == u32::MAX {
                 continue;
             }

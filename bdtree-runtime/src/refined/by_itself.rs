@@ -38,7 +38,7 @@ const LOST: u64 = 10;
 /// Branches that together cost more than this share of the whole pose, what is lost included, are not worth their while: in tenths.
 const TENTHS: u64 = 9;
 
-/// After a step in which no branch has paid they are looked at once a step would have gained twice as much, or so many steps later.
+/// After a step in which no branch has paid they are looked at once a step asks about twice as much, or so many steps later.
 const LOOK_AGAIN: u32 = 16;
 
 /// What preparing a pose costs, in the unit of [`Walk::gain`], some 15 ns: 4 ns per triangle and 8 per vertex
@@ -157,7 +157,8 @@ impl<'m> Refining<'m> {
         if let Some([of_branches, saved, open]) = branches {
             let [_, tops] = self.branches.costs(cost);
             let pays = saved >= tops + open / LOST;
-            self.look_from = Some(if pays { 0 } else { 2 * self.gain });
+            let asked = RAY_GAIN.saturating_mul(self.walks).max(self.gain);
+            self.look_from = Some(if pays { 0 } else { asked.saturating_mul(2) });
             self.looked = 0;
             let lost = (self.gain / LOST).saturating_add(self.elsewhere);
             if self.enough == 0 && of_branches.saturating_add(lost) < cost / 10 * TENTHS {
@@ -165,10 +166,10 @@ impl<'m> Refining<'m> {
             }
         }
         self.whole_steps = match self.is_ready {
-            true => self.whole_steps + 1,
+            true => self.whole_steps.saturating_add(1),
             false => 0,
         };
-        if self.whole_steps == WHOLE_STEPS && self.branches.are_there() {
+        if self.whole_steps >= WHOLE_STEPS && self.branches.are_there() {
             (self.whole_steps, self.enough, self.look_from) = (0, cost, Some(0));
         }
         self.cost = cost;

@@ -155,7 +155,7 @@ impl<'a> Asset<'a> {
 
     /// The error for a traversal that takes more visits than a tree allows.
     #[cold]
-    fn endless(&self, limit: u64) -> FormatError {
+    pub(crate) fn endless(&self, limit: u64) -> FormatError {
         FormatError {
             section: SectionKind::NODES,
             byte: self.section_offset(SectionKind::NODES),
