@@ -255,8 +255,8 @@ impl BranchCache {
     }
 
     /// What walks of this step would have gained where it is not refined.
-    pub(super) fn open(&mut self) -> &mut u64 {
-        &mut self.open
+    pub(super) fn open(&self) -> u64 {
+        self.open
     }
 
     /// Memory is used for something else.

@@ -191,12 +191,7 @@ impl<'m> Refining<'m> {
 
     /// Refines what pays before so many walks.
     fn decide(&mut self, pose: &Pose<'_>, walks: usize) {
-        let Self {
-            pose: refined,
-            branches,
-            ..
-        } = self;
-        let has_branches = branches.lay_out(pose.asset, &mut refined.memory);
+        let has_branches = self.branches.lay_out(pose.asset, &mut self.pose.memory);
         // Walks to come for each that has been.
         let more = match walks {
             1 => 0,
@@ -210,12 +205,12 @@ impl<'m> Refining<'m> {
             // Nothing else is known of those to come, or they are more of the same.
             self.gain.saturating_add(together) >= self.enough
         } else {
-            let open = self.elsewhere.saturating_add(*branches.open());
+            let open = self.elsewhere.saturating_add(self.branches.open());
             let lost = self.gain.saturating_mul(1 + more) / LOST;
             let is_dear = |worth: u64| worth.saturating_add(lost) >= self.cost / 10 * TENTHS;
             open >= self.enough
-                || is_dear(branches.spent())
-                || more > 0 && is_dear(branches.worth(&mut refined.memory, more))
+                || is_dear(self.branches.spent())
+                || more > 0 && is_dear(self.branches.worth(&mut self.pose.memory, more))
         };
         if is_whole && pose.asset.triangle_count() < self.too_large && self.prepare(pose) {
             return;
@@ -223,22 +218,17 @@ impl<'m> Refining<'m> {
         if !has_branches {
             return;
         }
-        let Self {
-            pose: refined,
-            branches,
-            ..
-        } = self;
-        if !branches.is_active() {
-            let [branch, tops] = branches.costs(self.cost);
+        if !self.branches.is_active() {
+            let [branch, tops] = self.branches.costs(self.cost);
             let expected = self.elsewhere.saturating_add(together);
             if expected < self.look_from.unwrap_or(branch + 2 * tops)
-                || !branches.activate(pose, &mut refined.memory)
+                || !self.branches.activate(pose, &mut self.pose.memory)
             {
                 return;
             }
         }
-        branches.refine(pose, &mut refined.memory, more);
-        self.open = *branches.open();
+        (self.branches).refine(pose, &mut self.pose.memory, more);
+        self.open = self.branches.open();
     }
 
     /// Prepares the whole pose, if there is room for it.
@@ -297,7 +287,7 @@ impl Refine for Refining<'_> {
         let gain = if self.is_ready && walk.has_boxes {
             refined_gain(walk.gain)
         } else if self.branches.is_active() && walk.has_boxes {
-            let open = *self.branches.open();
+            let open = self.branches.open();
             let unrefined = open.saturating_sub(self.open).min(walk.gain);
             self.open = open;
             unrefined + refined_gain(walk.gain - unrefined)

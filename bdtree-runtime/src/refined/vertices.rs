@@ -94,7 +94,29 @@ impl Work for Vertices<'_> {
         } = self;
         let (twelves, rest) = out.as_chunks_mut::<TOGETHER>();
         for twelve in twelves {
-            *twelve = deformed::<L>(pose, core::array::from_fn(|k| first + k as u32))?;
+            // Twelve corners of four triangles.
+            let record = |k: u32| TriangleRecord {
+                corners: [first + k, first + 4 + k, first + 8 + k],
+                id: 0,
+            };
+            let records = [record(0), record(1), record(2), record(3)];
+            let [a, b, c, d] = &records;
+            let mut corners = [[[0.0; 4]; 3]; 3];
+            pose.asset
+                .deform_four::<L>(pose, [a, b, c, d], &mut corners)?;
+            let (fours, _) = twelve.as_chunks_mut::<4>();
+            for (four, [x, y, z]) in fours.iter_mut().zip(&corners) {
+                let columns = [
+                    Four::load(x),
+                    Four::load(y),
+                    Four::load(z),
+                    Four::splat(0.0),
+                ];
+                let rows = Four::transposed(columns);
+                for k in 0..4 {
+                    four[k] = rows[k].store();
+                }
+            }
             first += TOGETHER as u32;
         }
         for vertex in rest {
@@ -104,37 +126,4 @@ impl Work for Vertices<'_> {
         }
         Ok(())
     }
-}
-
-/// Twelve vertices.
-#[inline(always)]
-fn deformed<L: Lanes>(
-    pose: &Pose<'_>,
-    vertices: [u32; TOGETHER],
-) -> Result<[[f32; 4]; TOGETHER], FormatError> {
-    // As the corners of four triangles.
-    let record = |k: usize| TriangleRecord {
-        corners: [vertices[k], vertices[4 + k], vertices[8 + k]],
-        id: 0,
-    };
-    let records = [record(0), record(1), record(2), record(3)];
-    let [a, b, c, d] = &records;
-    let mut corners = [[[0.0; 4]; 3]; 3];
-    pose.asset
-        .deform_four::<L>(pose, [a, b, c, d], &mut corners)?;
-    let mut out = [[0.0; 4]; TOGETHER];
-    let (fours, _) = out.as_chunks_mut::<4>();
-    for (four, [x, y, z]) in fours.iter_mut().zip(&corners) {
-        let columns = [
-            Four::load(x),
-            Four::load(y),
-            Four::load(z),
-            Four::splat(0.0),
-        ];
-        let rows = Four::transposed(columns);
-        for k in 0..4 {
-            four[k] = rows[k].store();
-        }
-    }
-    Ok(out)
 }

@@ -108,11 +108,7 @@ impl Rest for Unrefined<'_> {
         if at.triangles == 0 {
             let (number, refined) = self.branches.enter(start);
             if let Some(start) = refined {
-                let root = Subtree {
-                    start,
-                    triangles: 0,
-                };
-                return Ok(ControlFlow::Continue(root));
+                return Ok(ControlFlow::Continue(root(start)));
             }
             branch = number.map_or(0, |number| number + 1);
         }
@@ -135,15 +131,18 @@ impl Rest for Unrefined<'_> {
     fn refined(&self, at: Subtree) -> Option<Subtree> {
         match (at.start & UNREFINED, at.triangles) {
             (0, _) => Some(at),
-            (_, 0) => {
-                let start = self.branches.refined(at.start & !UNREFINED)?;
-                Some(Subtree {
-                    start,
-                    triangles: 0,
-                })
-            }
+            (_, 0) => self.branches.refined(at.start & !UNREFINED).map(root),
             _ => None,
         }
+    }
+}
+
+/// The root of a branch, at this node.
+#[inline(always)]
+fn root(start: u32) -> Subtree {
+    Subtree {
+        start,
+        triangles: 0,
     }
 }
 
