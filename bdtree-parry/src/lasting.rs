@@ -14,7 +14,11 @@ use super::shape::DeformingMesh;
 /// Pairs that a body remembers at most.
 const PAIRS: usize = 64;
 
-/// How far shapes may move against each other until contacts are looked for anew.
+/// How far bodies may bend away from where they touch, in ways that they may move there: a vertex at one end moves with every mode,
+/// contacts do not. With twice this, heaps of chairs take as long and come to rest later.
+const BENT: Real = 4.0;
+
+/// How far shapes may move against each other, where they touch, until contacts are looked for anew.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Drift {
     /// World units.
@@ -62,6 +66,8 @@ struct Pair {
 struct Attached {
     features: [PackedFeatureId; 2],
     anchors: [Anchor; 2],
+    /// Where it was found, in the frame of each.
+    places: [Vector; 2],
 }
 
 /// What a body is in contact with.
@@ -129,6 +135,20 @@ impl Other {
     }
 }
 
+impl Pair {
+    /// No point of the smaller shape has moved farther with its frame against that of the other one.
+    fn moved(&self, pos12: &Pose, reach: [Real; 2]) -> Real {
+        let (was, is) = match reach[0] < reach[1] {
+            true => (self.pos12.inverse(), pos12.inverse()),
+            false => (self.pos12, *pos12),
+        };
+        let turn = was.rotation.inverse() * is.rotation;
+        let chord = 2.0 * Vector::from(turn.xyz()).length();
+        let way = (is.translation - was.translation).length();
+        way + chord * reach[0].min(reach[1])
+    }
+}
+
 impl Lasting {
     pub(super) fn new(drift: Drift) -> Self {
         Self {
@@ -189,6 +209,9 @@ impl<'a> Both<'a> {
 
     /// Moves the points of manifolds along with the surfaces, if these have not moved far since the points were found. If not,
     /// manifolds are as they were.
+    ///
+    /// How far that is, shapes may move as a whole together with what bending has moved the points; bodies may bend by
+    /// [`BENT`] times that.
     pub(super) fn follow<M, C>(
         &self,
         pos12: &Pose,
@@ -206,14 +229,16 @@ impl<'a> Both<'a> {
             .each_ref()
             .map(|sphere| sphere.center.length() + sphere.radius);
         let is_near = |pair: &Pair| {
+            let moved = pair.moved(pos12, reach);
             // Where nothing was found, something may be there after half the way.
             let limit = match pair.points.is_empty() {
-                true => drift.min(0.5 * pair.prediction),
-                false => drift,
+                true => drift.min(0.5 * pair.prediction) - moved,
+                false => BENT * drift,
             };
             pair.epochs == self.epochs()
                 && prediction <= 2.0 * pair.prediction
-                && self.moved(pair, pos12, reach) <= limit
+                && moved <= drift
+                && self.bent(pair) <= limit
         };
         let Some(pair) = self.memory.take(&self.other, is_near) else {
             return false;
@@ -231,12 +256,25 @@ impl<'a> Both<'a> {
         if !is_same {
             return false;
         }
-        for (all, manifold) in pair.points.iter().zip(manifolds) {
-            for (own, point) in all.iter().zip(&mut manifold.points) {
-                let [p1, p2] = [0, 1].map(|side| self.place(side, &own.anchors[side]));
-                point.local_p1 = p1.unwrap_or(point.local_p1);
-                point.local_p2 = p2.unwrap_or(point.local_p2);
-                point.dist = (pos12 * point.local_p2 - point.local_p1).dot(manifold.local_n1);
+        let places = pair.points.iter().flatten().map(|own| {
+            let place = |side: usize| self.place(side, &own.anchors[side]);
+            [0, 1].map(|side| place(side).unwrap_or(own.places[side]))
+        });
+        let places: Vec<[Vector; 2]> = places.collect();
+        let left = drift - pair.moved(pos12, reach);
+        let mut all = pair.points.iter().flatten().zip(&places);
+        let is_apart = all.any(|(own, is)| {
+            let [by1, by2] = [0, 1].map(|side| is[side] - own.places[side]);
+            (pos12.rotation * by2 - by1).length() > left
+        });
+        if is_apart {
+            return false;
+        }
+        let mut places = places.into_iter();
+        for manifold in manifolds {
+            for (point, [p1, p2]) in manifold.points.iter_mut().zip(&mut places) {
+                (point.local_p1, point.local_p2) = (p1, p2);
+                point.dist = (pos12 * p2 - p1).dot(manifold.local_n1);
             }
         }
         self.memory.put(pair);
@@ -255,6 +293,7 @@ impl<'a> Both<'a> {
             let each = manifold.points.iter().zip(ids);
             each.map(|(point, [one, two])| Attached {
                 features: [point.fid1, point.fid2],
+                places: [point.local_p1, point.local_p2],
                 anchors: [
                     self.anchor(0, *one, point.local_p1),
                     self.anchor(1, *two, point.local_p2),
@@ -280,22 +319,11 @@ impl<'a> Both<'a> {
             .map(|mesh| mesh.and_then(epoch).unwrap_or_default())
     }
 
-    /// No point of the smaller shape has moved farther against the other one, nor any point of either in its own frame, together.
-    fn moved(&self, pair: &Pair, pos12: &Pose, reach: [Real; 2]) -> Real {
-        let (was, is) = match reach[0] < reach[1] {
-            true => (pair.pos12.inverse(), pos12.inverse()),
-            false => (pair.pos12, *pos12),
-        };
-        let turn = was.rotation.inverse() * is.rotation;
-        let chord = 2.0 * Vector::from(turn.xyz()).length();
-        let way = (is.translation - was.translation).length();
-        let deformed: Real = self
-            .meshes
-            .iter()
-            .zip(&pair.q)
-            .map(|(mesh, q)| mesh.map_or(0.0, |mesh| mesh.moved_since(q)))
-            .sum();
-        way + chord * reach[0].min(reach[1]) + deformed
+    /// No point of either shape has moved farther in its own frame, together.
+    fn bent(&self, pair: &Pair) -> Real {
+        let each = self.meshes.iter().zip(&pair.q);
+        each.map(|(mesh, q)| mesh.map_or(0.0, |mesh| mesh.moved_since(q)))
+            .sum()
     }
 
     fn anchor(&self, side: usize, id: u32, point: Vector) -> Anchor {
