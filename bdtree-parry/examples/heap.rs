@@ -1,4 +1,5 @@
-//! Lets chairs fall on a heap under rapier, flexible ones and then ones at q = 0, and prints what a step takes.
+//! Lets chairs fall on a heap under rapier, flexible ones and then ones at q = 0, and prints what a step takes. While flexible ones
+//! fall, chairs at q = 0 go on from where they are ten times a second, for as many steps: the same heap, without modes.
 //!
 //!     cargo run --release -p bdtree-parry --features rapier --example heap -- 24 4
 //!
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         None => bdtree_fixtures::bake::elastic("chair", 6, 30, &[]),
     };
     let model = DeformingModel::new(&file, 1.0)?;
-    let mut totals = [0.0; 2];
+    let mut totals = [Times::default(); 2];
     for (total, is_deformable) in totals.iter_mut().zip([true, false]) {
         println!(
             "{chairs} chairs, {}",
@@ -37,25 +38,70 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut heap = Heap::new(&model, chairs, is_deformable)?;
         let steps = (seconds * RATE as f32) as usize;
         for second in 0..steps.div_ceil(RATE) {
-            let count = (steps - RATE * second).min(RATE);
-            let start = Instant::now();
-            for _ in 0..count {
-                heap.flexible.step(&mut heap.world)?;
+            let mut count = (steps - RATE * second).min(RATE);
+            let mut times = Times::default();
+            while count > 0 {
+                times.add(&heap.steps(count.min(WINDOW), &model)?);
+                count -= count.min(WINDOW);
             }
-            let spent = start.elapsed().as_secs_f64();
-            *total += spent;
-            println!(
+            total.add(&times);
+            print!(
                 "{:3} s: {:8.3} ms per step, {:10.3e} J in motion, {:5.1} mm into each other, {} asleep",
                 second + 1,
-                1e3 * spent / count as f64,
+                times.ms_per_step(),
                 heap.kinetic_energy(),
                 1e3 * heap.overlap()?,
                 heap.asleep()
             );
+            match is_deformable {
+                true => println!(
+                    ", {:.2} times q = 0 from the same places",
+                    times.over_rigid()
+                ),
+                false => println!(),
+            }
         }
     }
-    println!("flexible over q = 0: {:.2}", totals[0] / totals[1]);
+    let [flexible, rigid] = totals;
+    println!(
+        "flexible over q = 0: {:.2}, from the same places {:.2}",
+        flexible.all_s / rigid.all_s,
+        flexible.over_rigid()
+    );
     Ok(())
+}
+
+/// Steps until chairs at q = 0 begin again where the flexible ones are...
+const WINDOW: usize = RATE / 10;
+
+/// ...and of them, those in which they find their contacts and forces, which are not compared.
+const BEGIN: usize = 2;
+
+/// What steps have taken.
+#[derive(Debug, Clone, Copy, Default)]
+struct Times {
+    steps: usize,
+    all_s: f64,
+    /// Without the first steps of each window, of this heap and of chairs at q = 0 from the same places.
+    compared_s: [f64; 2],
+}
+
+impl Times {
+    fn add(&mut self, more: &Self) {
+        self.steps += more.steps;
+        self.all_s += more.all_s;
+        for (own, more) in self.compared_s.iter_mut().zip(more.compared_s) {
+            *own += more;
+        }
+    }
+
+    fn ms_per_step(&self) -> f64 {
+        1e3 * self.all_s / self.steps as f64
+    }
+
+    fn over_rigid(&self) -> f64 {
+        self.compared_s[0] / self.compared_s[1]
+    }
 }
 
 /// An empty world with a floor, and walls around so many chairs.
@@ -90,6 +136,8 @@ pub struct Heap {
     pub flexible: FlexibleBodies,
     /// Frame and collider of each chair.
     pub chairs: Vec<(RigidBodyHandle, ColliderHandle)>,
+    /// Whether they have modes.
+    pub is_deformable: bool,
 }
 
 impl Heap {
@@ -119,7 +167,58 @@ impl Heap {
             world,
             flexible,
             chairs,
+            is_deformable,
         })
+    }
+
+    /// Goes on for so many steps, and then lets chairs at q = 0 do so from the same places, if these are flexible.
+    fn steps(
+        &mut self,
+        count: usize,
+        model: &DeformingModel,
+    ) -> Result<Times, Box<dyn std::error::Error>> {
+        let mut rigid = match self.is_deformable {
+            true => Some(self.rigid(model)?),
+            false => None,
+        };
+        let (begin_s, rest_s) = self.timed(count)?;
+        let rigid_s = rigid
+            .as_mut()
+            .map_or(Ok((0.0, 0.0)), |heap| heap.timed(count))?;
+        Ok(Times {
+            steps: count,
+            all_s: begin_s + rest_s,
+            compared_s: [rest_s, rigid_s.1],
+        })
+    }
+
+    /// Seconds that the first and the other steps take.
+    fn timed(&mut self, count: usize) -> Result<(f64, f64), Box<dyn std::error::Error>> {
+        let mut run = |count: usize| -> Result<f64, Box<dyn std::error::Error>> {
+            let start = Instant::now();
+            for _ in 0..count {
+                self.flexible.step(&mut self.world)?;
+            }
+            Ok(start.elapsed().as_secs_f64())
+        };
+        let begin = count.min(BEGIN);
+        Ok((run(begin)?, run(count - begin)?))
+    }
+
+    /// Chairs at q = 0 that are where these are, and as fast.
+    fn rigid(&self, model: &DeformingModel) -> Result<Self, Box<dyn std::error::Error>> {
+        let mut rigid = Self::new(model, self.chairs.len(), false)?;
+        for ((from, _), (to, _)) in self.chairs.iter().zip(&rigid.chairs) {
+            let from = &self.world.bodies[*from];
+            let to = &mut rigid.world.bodies[*to];
+            to.set_position(*from.position(), true);
+            to.set_linvel(from.linvel(), true);
+            to.set_angvel(from.angvel(), true);
+            if from.is_sleeping() {
+                to.sleep();
+            }
+        }
+        Ok(rigid)
     }
 
     /// Of frames and modes, joules.

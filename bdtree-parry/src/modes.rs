@@ -38,9 +38,9 @@ const SMALL: f64 = 0.1;
 /// How far a vertex may be off in the collider, in radii of the mesh's bounding sphere.
 const TOLERANCE: f64 = 5e-3;
 
-/// How far a body and what it touches may move against each other until contacts are looked for anew: times the radius of the body,
-/// or of the smaller of the two, whichever is more. Heaps of chairs take half of the time that they take with 0, and are as deep in
-/// each other to within a tenth (docs/guide/rapier.md). What is small next to the body could pass through a thin part of it unseen.
+/// How far a body and what it touches may move against each other, where they touch, until contacts are looked for anew: times the
+/// radius of the body, or of the smaller of the two, whichever is more. Heaps of chairs take a third of the time that they take with 0
+/// (docs/guide/rapier.md). What is small next to the body could pass through a thin part of it unseen.
 const CONTACT_DRIFT: Real = 0.02;
 const DRIFT_OF_SMALLER: Real = 0.05;
 
@@ -63,8 +63,8 @@ pub struct FlexibleOptions {
     /// tenth of this where a load bends it smoothly. Smaller changes let rapier go on with the contacts that it has. Default
     /// 5e-3 of the radius of its bounding sphere.
     pub tolerance: Option<f64>,
-    /// The contacts of the body follow its surface until it may have moved by this against what it touches, world units,
-    /// deformation included: see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere, or 0.05
+    /// The contacts of the body follow its surface until they may have moved by this against what it touches, world units:
+    /// see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere, or 0.05
     /// of the smaller radius of the two if that is more; 0 to look for contacts whenever it has deformed. rapier itself keeps contacts
     /// of bodies that have moved by up to 5 cm.
     pub contact_drift: Option<f64>,

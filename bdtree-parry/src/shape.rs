@@ -45,9 +45,10 @@ impl DeformingMesh {
     }
 
     /// The same mesh, whose contacts last: [`MeshDispatcher`](super::MeshDispatcher) lets the contacts that a pair has follow the
-    /// surfaces, also those of [`DeformingMesh::with_q`], until one shape may have moved by `drift` (world units) against the
-    /// other, deformation included. Then it looks for contacts anew. Until then it does not see those that begin elsewhere:
-    /// parts may pass into each other by so much.
+    /// surfaces, also those of [`DeformingMesh::with_q`], until the shapes may have moved by `drift` (world units) against each
+    /// other, with their frames and by what they have bent at the contacts, or until they may have bent by four times that anywhere.
+    /// Then it looks for contacts anew. Until then it does not see those that begin elsewhere: parts may pass into each other by
+    /// so much.
     ///
     /// For one body; others need meshes of their own. Contacts of meshes with bones are looked for in every step all the same.
     ///
@@ -148,13 +149,22 @@ impl DeformingMesh {
     /// The directions in which a contact of a triangle may push: those between its normal and its neighbors' normals, as for
     /// a `TriMesh` with `FIX_INTERNAL_EDGES`; of a surface that is not closed, from both sides.
     pub fn normal_constraints(&self, id: u32) -> Option<TrianglePseudoNormals> {
+        self.constraints_by(id, &|id| Some(self.triangle(id)?.normal()))
+    }
+
+    /// The same by the normals of triangles, where they have one.
+    pub(super) fn constraints_by(
+        &self,
+        id: u32,
+        normal: &dyn Fn(u32) -> Option<Option<Vector>>,
+    ) -> Option<TrianglePseudoNormals> {
         let sign = self.model().outwards() as Real;
-        let face = self.triangle(id)?.normal()? * sign;
+        let face = normal(id)?? * sign;
         let across = self.model().neighbors(id).map(|other| {
             if other == id {
                 return Some(face);
             }
-            match self.triangle(other)?.normal() {
+            match normal(other)? {
                 Some(normal) => (face + normal * sign).try_normalize(),
                 None => Some(face),
             }

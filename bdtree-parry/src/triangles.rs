@@ -6,9 +6,9 @@ use bdtree_runtime::{PairQuery, QueryError};
 
 use super::composite::{Part, PartPair};
 use super::near::{Reach, transform};
-use super::parry::math::{Pose, Real};
+use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::NormalConstraints;
-use super::parry::shape::{Shape, SubShapeId};
+use super::parry::shape::{Shape, SubShapeId, Triangle};
 use super::points::with_workspace;
 use super::shape::{DeformingMesh, constraints};
 
@@ -81,22 +81,32 @@ pub(super) fn convex_pairs(
 type VisitTriangle<'v> =
     dyn FnMut(u32, &dyn Shape, Option<&dyn NormalConstraints>) -> ControlFlow<()> + 'v;
 
+/// Shows those of these ids, which are in order.
 fn each_triangle(
     mesh: &DeformingMesh,
     ids: &[u32],
     has_normals: bool,
     visit: &mut VisitTriangle<'_>,
 ) {
-    for &id in ids {
-        let Some(triangle) = mesh.triangle(id) else {
+    // Each is the neighbor of others.
+    let triangles: Vec<Option<Triangle>> = ids.iter().map(|id| mesh.triangle(*id)).collect();
+    let normals: Vec<Option<Option<Vector>>> = match has_normals {
+        true => (triangles.iter().map(|of| of.map(|of| of.normal()))).collect(),
+        false => Vec::new(),
+    };
+    let normal = |id: u32| match ids.binary_search(&id) {
+        Ok(k) => normals[k],
+        Err(_) => Some(mesh.triangle(id)?.normal()),
+    };
+    for (&id, triangle) in ids.iter().zip(&triangles) {
+        let Some(triangle) = triangle else {
             continue;
         };
-        let normals = if has_normals {
-            mesh.normal_constraints(id)
-        } else {
-            None
+        let normals = match has_normals {
+            true => mesh.constraints_by(id, &normal),
+            false => None,
         };
-        if visit(id, &triangle, constraints(&normals)).is_break() {
+        if visit(id, triangle, constraints(&normals)).is_break() {
             return;
         }
     }
