@@ -4,7 +4,7 @@ use super::choose::Advice;
 use super::curve::Point;
 use super::errors::Over;
 use super::samples::{Bones, Source};
-use super::works::{Refining, Work};
+use super::works::{Nearby, Refining, Work};
 use crate::figures::numbers;
 
 /// Savings below this are within what one run measures.
@@ -25,6 +25,8 @@ impl Advice {
         sentences.extend(self.leaf());
         sentences.extend(self.bounds());
         sentences.extend(self.refining.as_ref().map(refining));
+        let nearby = self.refining.and_then(|refining| refining.nearby);
+        sentences.extend(nearby.as_ref().map(nearby_words));
         sentences.extend(self.posed());
         sentences.extend(self.unknown());
         sentences.extend(self.missing.iter().cloned());
@@ -280,6 +282,18 @@ fn refining(refining: &Refining) -> String {
         refining.bytes,
         from.join(" or "),
         gains.join(" and ")
+    )
+}
+
+/// What is enough where steps ask in one place.
+fn nearby_words(nearby: &Nearby) -> String {
+    let [without, with] = [nearby.seconds, nearby.refined_seconds].map(time);
+    format!(
+        "Where steps ask in one place, {} bytes are enough: each of {} rays at {} % of the triangles takes {with} instead of \
+         {without}, refining included.",
+        nearby.bytes,
+        nearby.rays,
+        100.0 * nearby.share
     )
 }
 

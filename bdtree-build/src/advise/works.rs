@@ -5,6 +5,7 @@
 //! so that they touch. Only queries are timed; poses are prepared before.
 
 mod ask;
+mod nearby;
 mod questions;
 mod refined;
 
@@ -17,6 +18,7 @@ use serde::Serialize;
 
 use super::samples::Samples;
 use ask::Asked;
+pub use nearby::Nearby;
 pub use refined::{Gain, Refining};
 
 /// Balls per sample.

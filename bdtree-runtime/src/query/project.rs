@@ -111,6 +111,7 @@ impl Visitor for Closest {
     const HAS_BOXES: bool = true;
     // Far fewer boxes are visited than spheres.
     const NODE_GAIN: u64 = 9;
+    const OF_SPHERES: u8 = 11;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {

@@ -129,6 +129,7 @@ impl First {
 impl Visitor for First {
     const ORDERED: bool = true;
     const HAS_BOXES: bool = true;
+    const OF_SPHERES: u8 = 8;
 
     #[inline(always)]
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8 {

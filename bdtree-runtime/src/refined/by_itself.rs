@@ -18,12 +18,8 @@ use crate::view::Asset;
 /// What a ray gains, for many that are asked at once: [`Walk::gain`] of 13 nodes and 18 triangles.
 const RAY_GAIN: u64 = 70;
 
-/// What spheres would have gained for each unit gained with boxes, which are tighter.
-const OF_ONE: u64 = 2;
-
-/// Meshes of so many triangles do not stay in the near caches, so that deforming a leaf takes longer; of more, preparing waits for
-/// memory as well.
-const FAR: core::ops::Range<usize> = 50_000..200_000;
+/// Meshes of so many triangles or more do not stay in the far caches: preparing waits for memory.
+const FAR: usize = 200_000;
 
 /// Walks of a first batch, from which the gain of the others is told.
 const BATCH: usize = 64;
@@ -46,9 +42,9 @@ const LOOK_AGAIN: u32 = 16;
 pub(crate) fn refining_cost(asset: &Asset<'_>) -> u64 {
     let (triangles, vertices) = (asset.triangle_count(), asset.vertex_count());
     let cost = (4 * triangles as u64 + 8 * vertices as u64) / 15;
-    let cost = match (asset.has_skin(), FAR.contains(&triangles)) {
-        (true, _) => cost * 2 / 5,
-        (false, true) => cost * 2 / 3,
+    let cost = match (asset.has_skin(), triangles < FAR) {
+        (true, _) => cost * 2 / 3,
+        (false, true) => cost * 5 / 6,
         (false, false) => cost,
     };
     cost.max(1)
@@ -283,10 +279,11 @@ impl Refine for Refining<'_> {
 
     fn after(&mut self, walk: &Walk, walks: usize) {
         self.walks = self.walks.saturating_add(walks as u64);
-        let refined_gain = |gain: u64| gain.saturating_mul(OF_ONE);
-        let gain = if self.is_ready && walk.has_boxes {
+        let has_boxes = walk.of_spheres > 0;
+        let refined_gain = |gain: u64| gain.saturating_mul(walk.of_spheres.into()) / 4;
+        let gain = if self.is_ready && has_boxes {
             refined_gain(walk.gain)
-        } else if self.branches.is_active() && walk.has_boxes {
+        } else if self.branches.is_active() && has_boxes {
             let open = self.branches.open();
             let unrefined = open.saturating_sub(self.open).min(walk.gain);
             self.open = open;

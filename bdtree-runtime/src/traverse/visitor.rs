@@ -26,6 +26,9 @@ pub(crate) trait Visitor {
     /// refined poses).
     const NODE_GAIN: u64 = 4;
 
+    /// What spheres would have gained ([`Walk::gain`]) for each four units that boxes gain, which are tighter: as measured.
+    const OF_SPHERES: u8 = 6;
+
     /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the
     /// question minimises. Anything not proved useless is kept, NaN included.
     fn lanes<L: Lanes>(&self, spheres: WideSpheres<L>, keys: &mut Row) -> u8;
@@ -163,8 +166,8 @@ pub(crate) struct Walk {
     /// What the walk would have saved on a refined pose, preparing not counted, in what a triangle of a visited leaf saves: some
     /// 15 ns. Walks of one tree know it.
     pub(crate) gain: u64,
-    /// Whether it has asked boxes.
-    pub(crate) has_boxes: bool,
+    /// [`Visitor::OF_SPHERES`], if it has asked boxes, else 0.
+    pub(crate) of_spheres: u8,
     /// The visitor broke off.
     pub(crate) stopped: bool,
 }
@@ -183,7 +186,7 @@ impl Walk {
     pub(super) fn of_boxes<V: Visitor>(self) -> Self {
         let walk = self.of::<V>();
         Self {
-            has_boxes: true,
+            of_spheres: V::OF_SPHERES,
             ..walk
         }
     }
@@ -194,7 +197,7 @@ impl Walk {
         self.nodes_updated += other.nodes_updated;
         self.triangles += other.triangles;
         self.gain += other.gain;
-        self.has_boxes |= other.has_boxes;
+        self.of_spheres = self.of_spheres.max(other.of_spheres);
         self.stopped |= other.stopped;
     }
 }

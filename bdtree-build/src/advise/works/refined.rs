@@ -7,6 +7,7 @@ use bdtree_runtime::{
 };
 use serde::Serialize;
 
+use super::nearby::Nearby;
 use super::{BALLS, Contender, RAYS, Works, WorksError, poses};
 
 /// Samples that are measured, of those there are: preparing takes long where a mesh is large.
@@ -22,7 +23,7 @@ const TIMED_S: f64 = 1e-4;
 const REPEATS_MAX: usize = 1000;
 
 /// Refining must save this share of a question's time; less is within what one run measures.
-const WORTH: f64 = 0.05;
+pub(super) const WORTH: f64 = 0.05;
 
 /// Whether exact bounds of whole poses pay ([`RefinedPose`]), and what they take.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -35,6 +36,8 @@ pub struct Refining {
     pub ball: Gain,
     /// Rays, each for its first hit.
     pub ray: Gain,
+    /// Where steps ask in one place; `None` where a part of the memory saves nothing to speak of.
+    pub nearby: Option<Nearby>,
 }
 
 /// What one question takes either way.
@@ -157,8 +160,12 @@ impl Works {
             count += 1.0;
         }
         let [prepare, ball, refined_ball, ray, refined_ray] = sums.map(|sum| sum / count);
+        let bytes = RefinedPose::bytes_for(asset)?;
+        let seen = poses.iter().zip(&self.rays).step_by(step);
+        let seen: Vec<_> = seen.map(|(pose, rays)| (pose, rays[0].origin)).collect();
         Ok(Refining {
-            bytes: RefinedPose::bytes_for(asset)?,
+            bytes,
+            nearby: Nearby::measure(&seen, bytes)?,
             prepare_seconds: prepare,
             ball: Gain::new(ball, refined_ball, prepare),
             ray: Gain::new(ray, refined_ray, prepare),

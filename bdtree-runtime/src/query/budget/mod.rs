@@ -178,7 +178,7 @@ impl Rest {
             nodes_updated: 0,
             triangles: 0,
             gain: 0,
-            has_boxes: false,
+            of_spheres: 0,
             stopped: false,
         },
     };
