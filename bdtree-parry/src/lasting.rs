@@ -14,8 +14,8 @@ use super::shape::DeformingMesh;
 /// Pairs that a body remembers at most.
 const PAIRS: usize = 64;
 
-/// How far bodies may bend away from where they touch, in ways that they may move there: a vertex at one end moves with every mode,
-/// contacts do not. With twice this, heaps of chairs take as long and come to rest later.
+/// How far both bodies may bend anywhere until contacts are looked for anew, in multiples of how far contacts may move: one end of a
+/// body moves with every mode, contacts do not. With twice this, heaps of chairs take as long and come to rest later.
 const BENT: Real = 4.0;
 
 /// How far shapes may move against each other, where they touch, until contacts are looked for anew.
@@ -57,6 +57,8 @@ struct Pair {
     prediction: Real,
     /// Those of both bodies.
     epochs: [u32; 2],
+    /// Whether they touched, or reached into each other.
+    touches: bool,
     /// Of each manifold.
     points: Vec<Vec<Attached>>,
 }
@@ -136,7 +138,7 @@ impl Other {
 }
 
 impl Pair {
-    /// No point of the smaller shape has moved farther with its frame against that of the other one.
+    /// An upper bound of how far any point of the smaller shape has moved with its frame against that of the other one.
     fn moved(&self, pos12: &Pose, reach: [Real; 2]) -> Real {
         let (was, is) = match reach[0] < reach[1] {
             true => (self.pos12.inverse(), pos12.inverse()),
@@ -165,10 +167,10 @@ impl Lasting {
     /// Takes out the pair with another shape that has not moved far, so that nothing is locked while it is looked at.
     fn take(&self, other: &Other, is_near: impl Fn(&Pair) -> bool) -> Option<Pair> {
         let mut pairs = self.pairs();
-        // Several shapes may be equal, and differ in where they are.
+        // Several shapes may be equal, and differ in where they are: the last one that was put here.
         let k = pairs
             .iter()
-            .position(|pair| pair.other == *other && (other.is_unique() || is_near(pair)))?;
+            .rposition(|pair| pair.other == *other && (other.is_unique() || is_near(pair)))?;
         let pair = pairs.remove(k);
         is_near(&pair).then_some(pair)
     }
@@ -230,10 +232,10 @@ impl<'a> Both<'a> {
             .map(|sphere| sphere.center.length() + sphere.radius);
         let is_near = |pair: &Pair| {
             let moved = pair.moved(pos12, reach);
-            // Where nothing was found, something may be there after half the way.
-            let limit = match pair.points.is_empty() {
-                true => drift.min(0.5 * pair.prediction) - moved,
-                false => BENT * drift,
+            // Where nothing touched, something may after half the way.
+            let limit = match pair.touches {
+                true => BENT * drift,
+                false => drift.min(0.5 * pair.prediction) - moved,
             };
             pair.epochs == self.epochs()
                 && prediction <= 2.0 * pair.prediction
@@ -265,7 +267,7 @@ impl<'a> Both<'a> {
         let mut all = pair.points.iter().flatten().zip(&places);
         let is_apart = all.any(|(own, is)| {
             let [by1, by2] = [0, 1].map(|side| is[side] - own.places[side]);
-            (pos12.rotation * by2 - by1).length() > left
+            !((pos12.rotation * by2 - by1).length() <= left)
         });
         if is_apart {
             return false;
@@ -310,6 +312,8 @@ impl<'a> Both<'a> {
                 .map(|mesh| mesh.map_or(Vec::new(), |mesh| mesh.q().to_vec())),
             prediction,
             epochs: self.epochs(),
+            touches: (manifolds.iter().flat_map(|manifold| &manifold.points))
+                .any(|point| point.dist <= 0.0),
         });
     }
 
@@ -319,7 +323,7 @@ impl<'a> Both<'a> {
             .map(|mesh| mesh.and_then(epoch).unwrap_or_default())
     }
 
-    /// No point of either shape has moved farther in its own frame, together.
+    /// An upper bound of how far points of both shapes have moved in their own frames, together.
     fn bent(&self, pair: &Pair) -> Real {
         let each = self.meshes.iter().zip(&pair.q);
         each.map(|(mesh, q)| mesh.map_or(0.0, |mesh| mesh.moved_since(q)))
@@ -381,7 +385,7 @@ impl DeformingMesh {
         lasting.is_some()
     }
 
-    /// No vertex has moved farther since q was this, in the shape's frame.
+    /// An upper bound of how far any vertex has moved since q was this, in the shape's frame.
     fn moved_since(&self, q: &[f32]) -> Real {
         let asset = self.model().model().asset();
         let world_per_stored = asset.unit() * self.model().scale();

@@ -63,8 +63,8 @@ pub struct FlexibleOptions {
     /// tenth of this where a load bends it smoothly. Smaller changes let rapier go on with the contacts that it has. Default
     /// 5e-3 of the radius of its bounding sphere.
     pub tolerance: Option<f64>,
-    /// The contacts of the body follow its surface until they may have moved by this against what it touches, world units:
-    /// see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere, or 0.05
+    /// The contacts of the body follow its surface until they may have moved by this against what it touches, world units, or bodies
+    /// may have bent by four times that: see [`DeformingMesh::with_lasting_contacts`]. Default 0.02 of the radius of its bounding sphere, or 0.05
     /// of the smaller radius of the two if that is more; 0 to look for contacts whenever it has deformed. rapier itself keeps contacts
     /// of bodies that have moved by up to 5 cm.
     pub contact_drift: Option<f64>,

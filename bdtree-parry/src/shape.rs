@@ -46,9 +46,9 @@ impl DeformingMesh {
 
     /// The same mesh, whose contacts last: [`MeshDispatcher`](super::MeshDispatcher) lets the contacts that a pair has follow the
     /// surfaces, also those of [`DeformingMesh::with_q`], until the shapes may have moved by `drift` (world units) against each
-    /// other, with their frames and by what they have bent at the contacts, or until they may have bent by four times that anywhere.
-    /// Then it looks for contacts anew. Until then it does not see those that begin elsewhere: parts may pass into each other by
-    /// so much.
+    /// other, with their frames and by what they have bent at the contacts, or until both together may have bent by four times that
+    /// anywhere. Then it looks for contacts anew. Until then it does not see those that begin elsewhere: parts may pass into each
+    /// other by `drift`, and by up to five times that where they bend away from the contacts.
     ///
     /// For one body; others need meshes of their own. Contacts of meshes with bones are looked for in every step all the same.
     ///

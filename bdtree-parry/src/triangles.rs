@@ -81,31 +81,31 @@ pub(super) fn convex_pairs(
 type VisitTriangle<'v> =
     dyn FnMut(u32, &dyn Shape, Option<&dyn NormalConstraints>) -> ControlFlow<()> + 'v;
 
-/// Shows those of these ids, which are in order.
+/// Shows the triangles of these ids, which must be sorted.
 fn each_triangle(
     mesh: &DeformingMesh,
     ids: &[u32],
     has_normals: bool,
     visit: &mut VisitTriangle<'_>,
 ) {
-    // Each is the neighbor of others.
-    let triangles: Vec<Option<Triangle>> = ids.iter().map(|id| mesh.triangle(*id)).collect();
-    let normals: Vec<Option<Option<Vector>>> = match has_normals {
-        true => (triangles.iter().map(|of| of.map(|of| of.normal()))).collect(),
-        false => Vec::new(),
-    };
+    if !has_normals {
+        let mut triangles = ids.iter().filter_map(|&id| Some((id, mesh.triangle(id)?)));
+        let _ = triangles.try_for_each(|(id, triangle)| visit(id, &triangle, None));
+        return;
+    }
+    // The normal of each is asked for by its neighbors, too.
+    let all: Vec<Option<(Triangle, Option<Vector>)>> = (ids.iter())
+        .map(|id| mesh.triangle(*id).map(|of| (of, of.normal())))
+        .collect();
     let normal = |id: u32| match ids.binary_search(&id) {
-        Ok(k) => normals[k],
+        Ok(k) => all[k].map(|(_, normal)| normal),
         Err(_) => Some(mesh.triangle(id)?.normal()),
     };
-    for (&id, triangle) in ids.iter().zip(&triangles) {
-        let Some(triangle) = triangle else {
+    for (&id, of) in ids.iter().zip(&all) {
+        let Some((triangle, _)) = of else {
             continue;
         };
-        let normals = match has_normals {
-            true => mesh.constraints_by(id, &normal),
-            false => None,
-        };
+        let normals = mesh.constraints_by(id, &normal);
         if visit(id, triangle, constraints(&normals)).is_break() {
             return;
         }

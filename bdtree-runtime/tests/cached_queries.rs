@@ -7,7 +7,8 @@ use bdtree_fixtures::compare::cached::check_cached;
 use bdtree_fixtures::compare::kernels;
 use bdtree_fixtures::{bake, poses};
 use bdtree_runtime::{
-    Ball, CacheSize, Contact, Instance, LaneId, Ray, RefinedPose, StepCache, Transform, Workspace,
+    Ball, CacheSize, Contact, Instance, LaneId, PairContact, Ray, RefinedPose, StepCache,
+    Transform, Workspace,
 };
 
 fn check(mesh: &RawMesh, basis: &Basis, seed: u64, rounds: usize) {
@@ -120,4 +121,54 @@ fn caches_refine_poses_where_it_pays() {
     assert!(body.is_refined());
     body.set_refining(false);
     assert!(!body.is_refined());
+}
+
+#[test]
+fn pairs_decide_together_whether_both_poses_are_refined() {
+    let mesh = bake::bumpy_sphere(12, 3);
+    let model = bake::baked(&mesh, &bake::smooth_basis(&mesh, 3, 2));
+    let asset = model.asset();
+    let q = [0.01, -0.02, 0.01];
+    let mut memories = [(); 2].map(|()| vec![0.0; asset.pose_len()]);
+    let [memory1, memory2] = &mut memories;
+    let aside = Transform {
+        translation: [0.9, 0.2, 0.1],
+        ..Transform::IDENTITY
+    };
+    let pose1 = asset
+        .pose(&q, Transform::IDENTITY, memory1)
+        .expect("a pose");
+    let pose2 = asset.pose(&q, aside, memory2).expect("a pose");
+    let [mut workspace, mut own] = [(); 2].map(|()| Workspace::new());
+    let [mut cache1, mut cache2] =
+        [(); 2].map(|()| StepCache::new(CacheSize::NONE).refining(RefinedPose::new()));
+    let mut ask = |caches: Option<[&mut StepCache<'_>; 2]>| {
+        let (mut one, mut two) = (pose1.query(&mut workspace), pose2.query(&mut own));
+        if let Some([cache1, cache2]) = caches {
+            (one, two) = (one.cached(cache1), two.cached(cache2));
+        }
+        let mut pairs: Vec<PairContact> = Vec::new();
+        let mut query = one.against(two);
+        query.contacts(0.0, &mut pairs).expect("contacts");
+        pairs.sort_by_key(|pair| (pair.triangle1, pair.triangle2));
+        (pairs, query.stats().nodes_visited)
+    };
+    let (expected, visits) = ask(None);
+    assert!(!expected.is_empty());
+    for step in 0..3 {
+        cache1.start(&pose1);
+        cache2.start(&pose2);
+        let mut asked = 0;
+        while !(cache1.is_refined() && cache2.is_refined()) {
+            let (found, _) = ask(Some([&mut cache1, &mut cache2]));
+            assert_eq!(found, expected, "step {step}");
+            asked += 1;
+            assert!(asked < 1000, "step {step}: they never are");
+        }
+        // From the second step on it is known.
+        assert_eq!(asked == 1, step > 0, "{asked} pairs of {visits} nodes");
+        for _ in 0..asked.max(20) {
+            assert_eq!(ask(Some([&mut cache1, &mut cache2])).0, expected);
+        }
+    }
 }

@@ -25,8 +25,6 @@ impl Advice {
         sentences.extend(self.leaf());
         sentences.extend(self.bounds());
         sentences.extend(self.refining.as_ref().map(refining));
-        let nearby = self.refining.and_then(|refining| refining.nearby);
-        sentences.extend(nearby.as_ref().map(nearby_words));
         sentences.extend(self.posed());
         sentences.extend(self.unknown());
         sentences.extend(self.missing.iter().cloned());
@@ -262,6 +260,8 @@ impl Advice {
 fn refining(refining: &Refining) -> String {
     let kinds = [("ball", refining.ball), ("ray", refining.ray)];
     let prepare = time(refining.prepare_seconds);
+    let nearby =
+        (refining.nearby.as_ref()).map_or(String::new(), |near| format!(" {}", nearby_words(near)));
     let (mut from, mut gains) = (Vec::new(), Vec::new());
     for (name, gain) in kinds {
         let Some(count) = gain.pays_from else {
@@ -272,13 +272,16 @@ fn refining(refining: &Refining) -> String {
         gains.push(format!("a {name} takes {with} instead of {without}"));
     }
     if from.is_empty() {
-        return format!(
-            "Grant no memory for refined poses: preparing one takes {prepare}, and no question is faster by 5 % then."
-        );
+        let all_over = match refining.nearby {
+            Some(_) => " all over the mesh",
+            None => "",
+        };
+        let why = format!("preparing one takes {prepare}, and no question is faster by 5 % then.");
+        return format!("Grant no memory for refined poses{all_over}: {why}{nearby}");
     }
     format!(
         "Grant {} bytes for a refined pose (StepCache::refining, which decides by itself) if steps ask more than {}: \
-         preparing takes {prepare}, then {}.",
+         preparing takes {prepare}, then {}.{nearby}",
         refining.bytes,
         from.join(" or "),
         gains.join(" and ")

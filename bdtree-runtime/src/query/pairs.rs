@@ -363,10 +363,17 @@ fn walk_sides(
     visitor: &mut dyn PairVisitor,
 ) -> Result<Walk, QueryError> {
     let posed = [side1.posed()?, side2.posed()?];
-    match front {
+    let walk = match front {
         Some(front) => front.walk(posed, stack, visitor),
         None => walk(posed, stack, visitor),
+    }?;
+    // On refined poses leaves need not be deformed: on either side that saves about a unit for each node that is visited
+    // (docs/measured/benchmarks.md, refined poses).
+    let gain = walk.nodes_visited;
+    for side in [side1, side2] {
+        side.note(&Walk { gain, ..walk }, 1);
     }
+    Ok(walk)
 }
 
 /// The longer of the two that single queries need.

@@ -37,8 +37,8 @@ const TENTHS: u64 = 9;
 /// After a step in which no branch has paid they are looked at once a step asks about twice as much, or so many steps later.
 const LOOK_AGAIN: u32 = 16;
 
-/// What preparing a pose costs, in the unit of [`Walk::gain`], some 15 ns: 4 ns per triangle and 8 per vertex
-/// (docs/measured/benchmarks.md, refined poses). Where bones carry vertices, what is visited saves more.
+/// What preparing a pose costs, in the unit of [`Walk::gain`], some 15 ns: of large meshes 4 ns per triangle and 8 per vertex, of
+/// smaller ones five sixths of that (docs/measured/benchmarks.md, refined poses). Where bones carry vertices, what is visited saves more.
 pub(crate) fn refining_cost(asset: &Asset<'_>) -> u64 {
     let (triangles, vertices) = (asset.triangle_count(), asset.vertex_count());
     let cost = (4 * triangles as u64 + 8 * vertices as u64) / 15;

@@ -26,7 +26,7 @@ pub(crate) trait Visitor {
     /// refined poses).
     const NODE_GAIN: u64 = 4;
 
-    /// What spheres would have gained ([`Walk::gain`]) for each four units that boxes gain, which are tighter: as measured.
+    /// Four times the ratio of what spheres would have gained ([`Walk::gain`]) to what boxes, which are tighter, gain; measured.
     const OF_SPHERES: u8 = 6;
 
     /// The lanes that may hold an answer, and, when ordered, a lower bound for each of what the

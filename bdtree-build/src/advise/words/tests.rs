@@ -160,7 +160,7 @@ fn sentences_claim_what_was_measured() {
 
 #[test]
 fn memory_is_granted_only_where_it_pays() {
-    use super::super::works::{Gain, Refining};
+    use super::super::works::{Gain, Nearby, Refining};
     let gain = |refined_seconds: f64, pays_from: Option<f64>| Gain {
         seconds: 2e-6,
         refined_seconds,
@@ -191,24 +191,21 @@ fn memory_is_granted_only_where_it_pays() {
         super::refining(&refining),
         "Grant no memory for refined poses: preparing one takes 340 µs, and no question is faster by 5 % then."
     );
-    assert_eq!(
-        [0.4, 7.2, 99.1, 426.7, 1203.0].map(round_up),
-        [1, 8, 100, 430, 1300]
-    );
-}
-
-#[test]
-fn a_part_of_the_memory_is_named_where_steps_ask_in_one_place() {
-    let nearby = super::super::works::Nearby {
+    refining.nearby = Some(Nearby {
         bytes: 120_000,
         rays: 1024,
         share: 0.01,
         seconds: 1.5e-6,
         refined_seconds: 4.4e-7,
-    };
+    });
     assert_eq!(
-        super::nearby_words(&nearby),
-        "Where steps ask in one place, 120000 bytes are enough: each of 1024 rays at 1 % of the triangles takes 0.44 µs instead of \
-         1.50 µs, refining included."
+        super::refining(&refining),
+        "Grant no memory for refined poses all over the mesh: preparing one takes 340 µs, and no question is faster by 5 % then. \
+         Where steps ask in one place, 120000 bytes are enough: each of 1024 rays at 1 % of the triangles takes 0.44 µs \
+         instead of 1.50 µs, refining included."
+    );
+    assert_eq!(
+        [0.4, 7.2, 99.1, 426.7, 1203.0].map(round_up),
+        [1, 8, 100, 430, 1300]
     );
 }

@@ -10,10 +10,10 @@ use serde::Serialize;
 use super::refined::WORTH;
 use super::{WorksError, least};
 
-/// Rays of a step, ...
+/// Rays of a step, all from one place, ...
 const RAYS: usize = 1024;
 
-/// ... all from one place to this share of all triangles, those nearest to the one that is nearest to it.
+/// ... to this share of all triangles: those nearest to the one that is nearest to the place.
 const SHARE: f64 = 0.01;
 
 /// Parts of the memory for a whole pose, one of so many each.
@@ -38,28 +38,34 @@ pub struct Nearby {
 }
 
 impl Nearby {
-    /// The least part with which rays take as long as with any, within what one run measures; `None` where none saves that much.
-    /// `bytes` are those of the whole pose, and each pose comes with the place that rays come from.
+    /// The least part with which rays take as long as with any, within what one run measures; `None` where none refines anything
+    /// or saves that much. Steps have these poses, one after the other, and rays all come from one place; `bytes` are those of the
+    /// whole pose.
     ///
     /// # Errors
     /// Those of queries.
     pub(super) fn measure(
-        poses: &[(&Pose<'_>, [f64; 3])],
+        poses: &[&Pose<'_>],
+        from: [f64; 3],
         bytes: usize,
     ) -> Result<Option<Self>, WorksError> {
-        let steps = poses
-            .iter()
-            .map(|(pose, from)| Ok((*pose, rays(pose, *from)?)));
+        let steps = poses.iter().map(|pose| Ok((*pose, rays(pose, from)?)));
         let steps: Vec<(&Pose<'_>, Vec<Ray>)> = steps.collect::<Result<_, WorksError>>()?;
-        let without = seconds(&steps, &mut StepCache::new(CacheSize::NONE))?;
         let mut memory = vec![0; bytes];
         let mut times = Vec::new();
         for part in PARTS {
             let part = bytes / part;
             let granted = RefinedPose::in_bytes(&mut memory[..part]);
             let mut cache = StepCache::new(CacheSize::NONE).refining(granted);
-            times.push((part, seconds(&steps, &mut cache)?));
+            let seconds = seconds(&steps, &mut cache)?;
+            if cache.refined_triangles() > 0 {
+                times.push((part, seconds));
+            }
         }
+        if times.is_empty() {
+            return Ok(None);
+        }
+        let without = seconds(&steps, &mut StepCache::new(CacheSize::NONE))?;
         let all: Vec<f64> = times.iter().map(|(_, seconds)| *seconds).collect();
         let best = least(&all);
         let enough = times
@@ -91,8 +97,9 @@ fn rays(pose: &Pose<'_>, from: [f64; 3]) -> Result<Vec<Ray>, WorksError> {
     let nearest = nearest.unwrap_or(from);
     middles.sort_by(|a, b| apart(a, &nearest).total_cmp(&apart(b, &nearest)));
     let count = (SHARE * middles.len() as f64).ceil() as usize;
-    // A step of a prime number that no count is a multiple of passes all.
-    let order = (0..RAYS).map(|k| (k * 104_729) % count.max(1));
+    // As far apart as there are rays for, and in no order: the prime is no factor of their number.
+    let used = count.clamp(1, RAYS);
+    let order = (0..RAYS).map(|k| (k * 104_729) % used * count / used);
     let ways = order.filter_map(|k| middles.get(k));
     let ways = ways.map(|to| [0, 1, 2].map(|k| to[k] - from[k]));
     Ok(ways

@@ -161,11 +161,11 @@ impl Works {
         }
         let [prepare, ball, refined_ball, ray, refined_ray] = sums.map(|sum| sum / count);
         let bytes = RefinedPose::bytes_for(asset)?;
-        let seen = poses.iter().zip(&self.rays).step_by(step);
-        let seen: Vec<_> = seen.map(|(pose, rays)| (pose, rays[0].origin)).collect();
+        let seen: Vec<&Pose<'_>> = poses.iter().step_by(step).collect();
+        let from = self.rays.first().map_or([0.0; 3], |rays| rays[0].origin);
         Ok(Refining {
             bytes,
-            nearby: Nearby::measure(&seen, bytes)?,
+            nearby: Nearby::measure(&seen, from, bytes)?,
             prepare_seconds: prepare,
             ball: Gain::new(ball, refined_ball, prepare),
             ray: Gain::new(ray, refined_ray, prepare),
