@@ -112,6 +112,7 @@ impl<'m> StepCache<'m> {
     /// Steps among their like then cost as much as the better of both ways, within some percent, or less where they ask about a small
     /// part. One that asks unexpectedly much costs about four times as much, at most. Rays, balls and nearest points
     /// of one mesh use parts; other queries of one mesh and those of two use the whole pose, if it is there.
+    /// All but distances of two meshes count towards it.
     ///
     /// ```
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {

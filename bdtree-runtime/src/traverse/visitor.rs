@@ -164,7 +164,7 @@ pub(crate) struct Walk {
     /// Triangles of visited leaves; walks of one tree that come to their end count them.
     pub(crate) triangles: u64,
     /// What the walk would have saved on a refined pose, preparing not counted, in what a triangle of a visited leaf saves: some
-    /// 15 ns. Walks of one tree know it.
+    /// 15 ns. Walks of one tree know it; of pairs, each side is told.
     pub(crate) gain: u64,
     /// [`Visitor::OF_SPHERES`], if it has asked boxes, else 0.
     pub(crate) of_spheres: u8,

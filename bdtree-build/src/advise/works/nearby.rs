@@ -127,3 +127,90 @@ fn seconds(steps: &[(&Pose<'_>, Vec<Ray>)], cache: &mut StepCache<'_>) -> Result
     let all: f64 = times.iter().map(|times| least(times)).sum();
     Ok(all / steps.len().max(1) as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use bdtree_runtime::{Asset, Model, Transform};
+
+    use super::*;
+    use crate::basis::Basis;
+    use crate::input::RawMesh;
+    use crate::pipeline::{BakeSettings, Provenance, bake_fields};
+    use crate::progress::Silent;
+
+    /// A flat sheet from (0, 0) to (1, 1) of twice n × n triangles.
+    fn sheet(n: u32) -> Model {
+        let side = n + 1;
+        let at = |k: u32| f64::from(k) / f64::from(n);
+        let corner = |i: u32, j: u32| i * side + j;
+        let each = |i: u32, j: u32| {
+            let [a, b] = [corner(i, j), corner(i + 1, j)];
+            [[a, b, a + 1], [b, b + 1, a + 1]]
+        };
+        let mesh = RawMesh {
+            positions: (0..side)
+                .flat_map(|i| (0..side).map(move |j| [at(i), at(j), 0.0]))
+                .collect(),
+            triangles: (0..n)
+                .flat_map(|i| (0..n).flat_map(move |j| each(i, j)))
+                .collect(),
+            ..RawMesh::default()
+        };
+        let basis = Basis {
+            vertex_count: mesh.positions.len(),
+            ..Basis::default()
+        };
+        let settings = BakeSettings::default();
+        let baked = bake_fields(&mesh, &basis, &settings, &Provenance::default(), &Silent);
+        Model::from_bytes(&baked.expect("a sound mesh").bytes).expect("a sound file")
+    }
+
+    fn posed(asset: &Asset<'_>, check: impl FnOnce(&Pose<'_>)) {
+        let mut memory = vec![0.0; asset.pose_len()];
+        let pose = asset.pose(&[], Transform::IDENTITY, &mut memory);
+        check(&pose.expect("a pose"));
+    }
+
+    #[test]
+    fn rays_hit_the_nearest_hundredth() {
+        // Fewer triangles in reach than rays, and more.
+        for n in [20, 80, 300] {
+            posed(sheet(n).asset(), |pose| {
+                let from = [0.2, 0.7, 1.0];
+                let rays = rays(pose, from).expect("rays");
+                assert_eq!(rays.len(), RAYS);
+                let mut workspace = Workspace::new();
+                let mut met = std::collections::BTreeSet::new();
+                for ray in &rays {
+                    let hit = pose.query(&mut workspace).cast_ray(ray);
+                    let hit = hit.expect("an answer").expect("a hit");
+                    met.insert(hit.triangle);
+                    // A hundredth of the area is a disc of radius 0.056.
+                    let way = (hit.point[0] - 0.2).hypot(hit.point[1] - 0.7);
+                    assert!(way < 0.057 + 2.0 / f64::from(n), "{n}: {way}");
+                }
+                let all = (SHARE * f64::from(2 * n * n)).ceil() as usize;
+                assert_eq!(met.len(), all.min(RAYS), "each is met");
+            });
+        }
+    }
+
+    #[test]
+    fn a_part_is_named_only_where_parts_are_refined() {
+        // Too few triangles.
+        posed(sheet(20).asset(), |pose| {
+            let bytes = RefinedPose::bytes_for(pose.asset()).expect("a size");
+            let found = Nearby::measure(&[pose], [0.2, 0.7, 1.0], bytes);
+            assert_eq!(found.expect("times"), None);
+        });
+        posed(sheet(120).asset(), |pose| {
+            let bytes = RefinedPose::bytes_for(pose.asset()).expect("a size");
+            let found = Nearby::measure(&[pose; 3], [0.2, 0.7, 1.0], bytes);
+            // Times decide whether one is.
+            if let Some(near) = found.expect("times") {
+                assert!(PARTS.iter().any(|part| near.bytes == bytes / part));
+                assert!(near.refined_seconds > 0.0 && near.refined_seconds < near.seconds);
+            }
+        });
+    }
+}
