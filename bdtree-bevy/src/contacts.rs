@@ -1,8 +1,6 @@
 //! Which deforming entities touch each other.
 
-use bdtree_runtime::{
-    BoundingSphere, Coverage, Pose, QueryError, SliceSink, TrianglePair, Workspace, broad,
-};
+use bdtree_runtime::{BoundingSphere, Pose, QueryError, Workspace, broad};
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
 use bevy_log::error_once;
@@ -202,11 +200,10 @@ fn touching_pairs(
         for [i, j] in pairs.iter().copied() {
             let (a, b) = (&bodies[i], &bodies[j]);
             let distance = margin(a) + margin(b);
-            // Without room for a pair, the first one that is found ends the question.
-            let mut none: [TrianglePair; 0] = [];
-            let mut query = a.pose.against(&b.pose, &mut workspace);
-            let coverage = query.triangle_pairs(distance, &mut SliceSink::new(&mut none))?;
-            if coverage == Coverage::Truncated {
+            if a.pose
+                .against(&b.pose, &mut workspace)
+                .is_within(distance)?
+            {
                 touch.push(entities([i, j]));
             }
         }

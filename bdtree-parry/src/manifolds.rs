@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow::Continue;
 
-use bdtree_runtime::{ContactManifold as Region, Coverage, SliceSink};
+use bdtree_runtime::ContactManifold as Region;
 
 use super::composite::{Nearness, PartPair, end_if, holds_mesh, part_pairs};
 use super::dispatcher::MeshDispatcher;
@@ -216,8 +216,7 @@ fn regions(
     let mut found: Vec<Region> = Vec::new();
     let nearest = ask_pair(both, &pair.pos12, |query| {
         // Nothing is near, of most pairs: one walk tells.
-        let mut no_room = SliceSink::new(&mut []);
-        if query.triangle_pairs(limit(prediction), &mut no_room)? == Coverage::Complete {
+        if !query.is_within(limit(prediction))? {
             return Ok(None);
         }
         query.contact_manifolds(0.0, &mut found)?;

@@ -175,13 +175,22 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         })
     }
 
-    /// Whether any two triangles share a point: ends with the first pair that is found.
+    /// Whether any two triangles share a point: [`PairQuery::is_within`] 0.
     ///
     /// # Errors
     /// Those of [`PairQuery::contacts`].
     pub fn intersects(&mut self) -> Result<bool, QueryError> {
+        self.is_within(0.0)
+    }
+
+    /// Whether any two triangles, one of each mesh, are at most `distance` apart, so that [`PairQuery::contacts`] would report
+    /// them: ends with the first pair that is found.
+    ///
+    /// # Errors
+    /// Those of [`PairQuery::contacts`].
+    pub fn is_within(&mut self, distance: f64) -> Result<bool, QueryError> {
         let mut first = First::default();
-        self.triangle_pairs(0.0, &mut first)?;
+        self.triangle_pairs(distance, &mut first)?;
         if !first.is_found && self.sides.iter().any(Side::is_cut) {
             return Err(QueryError::Proxies);
         }
