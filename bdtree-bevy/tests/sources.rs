@@ -7,7 +7,7 @@ use bdtree_bevy::{
     ClipPlayer, ClipRef, DeformedInstance, JointOrder, MorphOrder, PoseFaults, PoseFromJoints,
     PoseFromMorphs, PoseStage,
 };
-use bdtree_fixtures::bake;
+use bdtree_fixtures::{bake, skin};
 use bevy_app::App;
 use bevy_asset::{Assets, Handle};
 use bevy_ecs::name::Name;
@@ -399,6 +399,46 @@ fn clips_of_the_skeleton_are_played() {
         let why = faults(&app, entity).get(PoseStage::Clip).unwrap();
         assert!(why.contains(expected), "{why}");
     }
+}
+
+/// Tasks play all entities in the same memory, whatever their skeletons.
+#[test]
+fn entities_of_several_skeletons_play_side_by_side() {
+    let mut other = skin::bar_skin();
+    other.clips.swap(0, 1);
+    let other = skin::with_skin(&skin::bar(), &other);
+    let models = [bar(), Model::from_bytes(&other).expect("another bar")];
+    let mut app = app();
+    let entities: Vec<_> = (0..60)
+        .map(|k| {
+            let entity = spawn(&mut app, &models[k % 2], Transform::default());
+            app.world_mut().entity_mut(entity).insert(ClipPlayer {
+                clip: ClipRef::Index(0),
+                time_s: 0.01 * k as f64,
+                ..Default::default()
+            });
+            entity
+        })
+        .collect();
+    let mut poses = models
+        .each_ref()
+        .map(|model| SkeletonPose::new(model).unwrap());
+    pass(&mut app, 0.0);
+    for step in 1..4 {
+        pass(&mut app, 0.1);
+        for (k, entity) in entities.iter().enumerate() {
+            let player = app.world().get::<ClipPlayer>(*entity).unwrap();
+            let time = player.time_s;
+            assert!((time - (0.01 * k as f64 + 0.1 * f64::from(step))).abs() < 1e-6);
+            let pose = &mut poses[k % 2];
+            pose.play(0, time).unwrap();
+            let mut expected = bdtree_bevy::bdtree_runtime::Instance::new(&models[k % 2]).unwrap();
+            expected.set_q(pose.q()).unwrap();
+            expected.set_joints(pose.joints()).unwrap();
+            assert!(apart(instance(&app, *entity), &expected) < 1e-5, "{k}");
+        }
+    }
+    assert_ne!(poses[0].joints(), poses[1].joints());
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Clips and animations that the file itself holds.
 
+use std::sync::{Mutex, PoisonError};
+
 use bdtree_runtime::{AssetId, Model, SampleError, SkeletonError, SkeletonPose};
 use bevy_asset::Assets;
 use bevy_ecs::prelude::*;
@@ -64,14 +66,89 @@ impl Default for ClipRef {
     }
 }
 
-/// What playing takes, for the model that it was made for.
+/// What is known of the model that was played last.
 #[derive(Component, Debug, Default)]
 pub(crate) struct ClipMemory {
     asset: Option<AssetId>,
-    pose: Option<SkeletonPose>,
-    q: Vec<f32>,
     /// Whether frames have a rigid motion of their own.
     is_moving: bool,
+}
+
+/// What playing takes, of each task: a pose of each entity's own would have to come from far memory, ten kilobytes for forty
+/// bones.
+#[derive(Debug, Default)]
+struct Scratch {
+    skeletons: Vec<Played>,
+    q: Vec<f32>,
+}
+
+/// A skeleton that is played.
+#[derive(Debug)]
+struct Played {
+    asset: AssetId,
+    pose: SkeletonPose,
+    /// In this frame.
+    is_used: bool,
+}
+
+impl Scratch {
+    /// The pose of a model's skeleton, made when it is first asked for.
+    fn pose(&mut self, model: &Model) -> Result<&mut SkeletonPose, SkeletonError> {
+        let asset = model.asset().id();
+        let found = self.skeletons.iter().position(|one| one.asset == asset);
+        let index = match found {
+            Some(index) => index,
+            None => {
+                self.skeletons.push(Played {
+                    asset,
+                    pose: SkeletonPose::new(model)?,
+                    is_used: false,
+                });
+                self.skeletons.len() - 1
+            }
+        };
+        let played = &mut self.skeletons[index];
+        played.is_used = true;
+        Ok(&mut played.pose)
+    }
+}
+
+/// Kept from frame to frame, so that none allocates.
+#[derive(Debug, Default)]
+pub(crate) struct Scratches(Mutex<Vec<Scratch>>);
+
+impl Scratches {
+    /// Drops skeletons that the last frame has not played: they keep their models.
+    fn start_frame(&mut self) {
+        let all = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for scratch in all {
+            scratch.skeletons.retain(|one| one.is_used);
+            for one in &mut scratch.skeletons {
+                one.is_used = false;
+            }
+        }
+    }
+
+    fn lend(&self) -> Lent<'_> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Lent {
+            scratch: all.pop().unwrap_or_default(),
+            of: self,
+        }
+    }
+}
+
+/// What goes back when a task has ended.
+struct Lent<'s> {
+    scratch: Scratch,
+    of: &'s Scratches,
+}
+
+impl Drop for Lent<'_> {
+    fn drop(&mut self) {
+        let mut all = self.of.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.push(std::mem::take(&mut self.scratch));
+    }
 }
 
 /// Why a clip cannot be played.
@@ -100,10 +177,14 @@ pub(crate) fn play_clips(
         &mut Transform,
         &mut PoseFaults,
     )>,
+    mut scratches: Local<Scratches>,
 ) {
+    scratches.start_frame();
+    let scratches = &*scratches;
     let passed = time.map_or(0.0, |time| time.delta_secs_f64());
-    players.par_iter_mut().for_each(
-        |(entity, mesh, mut player, mut memory, mut deformation, mut transform, mut faults)| {
+    players.par_iter_mut().for_each_init(
+        || scratches.lend(),
+        |lent, (entity, mesh, mut player, mut memory, mut deformation, mut transform, mut faults)| {
             let Some(asset) = models.get(&mesh.0) else {
                 return;
             };
@@ -111,10 +192,11 @@ pub(crate) fn play_clips(
             if !is_new && !player.is_changed() && (passed == 0.0 || player.speed == 0.0) {
                 return;
             }
-            let played = memory.start(&asset.model).and_then(|()| {
-                let duration = memory.duration_s(&asset.model, &player.clip)?;
+            memory.start(&asset.model);
+            let played = duration_s(&asset.model, &player.clip).and_then(|duration| {
                 player.time_s = moved_on(&player, passed, duration)?;
-                memory.play(&asset.model, &player, &mut deformation, &mut transform)
+                let scratch = &mut lent.scratch;
+                memory.play(&asset.model, &player, scratch, &mut deformation, &mut transform)
             });
             PoseFaults::tell(&mut faults, entity, PoseStage::Clip, played);
         },
@@ -140,61 +222,38 @@ fn moved_on(player: &ClipPlayer, passed: f64, duration: f64) -> Result<f64, Clip
 }
 
 impl ClipMemory {
-    /// Makes what the model needs, unless that is there.
-    fn start(&mut self, model: &Model) -> Result<(), ClipError> {
+    /// Looks at the model, unless it is the last one.
+    fn start(&mut self, model: &Model) {
         let asset = model.asset();
         if self.asset == Some(asset.id()) {
-            return Ok(());
+            return;
         }
-        self.pose = match asset.skeleton() {
-            Some(_) => Some(SkeletonPose::new(model)?),
-            None => None,
-        };
-        self.q = vec![0.0; asset.mode_count()];
         let frames = (0..asset.frame_count()).filter_map(|k| asset.frame(k));
         self.is_moving = frames
             .into_iter()
             .any(|frame| frame.transform() != bdtree_runtime::Transform::IDENTITY);
         self.asset = Some(asset.id());
-        Ok(())
-    }
-
-    /// Seconds.
-    fn duration_s(&self, model: &Model, clip: &ClipRef) -> Result<f64, ClipError> {
-        let asset = model.asset();
-        let Some(index) = index(model, clip)? else {
-            return asset.duration_s().ok_or(if asset.frame_count() == 0 {
-                ClipError::Frames(SampleError::NoFrames)
-            } else {
-                ClipError::Frames(SampleError::NoTimes)
-            });
-        };
-        let skeleton = asset.skeleton().ok_or(SkeletonError::NoSkin)?;
-        let count = skeleton.clip_count();
-        let clip = skeleton.clip(index).ok_or(SkeletonError::NoClip {
-            count,
-            found: index,
-        })?;
-        Ok(clip.duration_s())
     }
 
     fn play(
-        &mut self,
+        &self,
         model: &Model,
         player: &ClipPlayer,
+        scratch: &mut Scratch,
         deformation: &mut Mut<'_, Deformation>,
         transform: &mut Mut<'_, Transform>,
     ) -> Result<(), ClipError> {
         let Some(clip) = index(model, &player.clip)? else {
-            let motion = model.asset().sample(player.time_s, &mut self.q)?;
-            deformation.q.clone_from(&self.q);
+            scratch.q.resize(model.asset().mode_count(), 0.0);
+            let motion = model.asset().sample(player.time_s, &mut scratch.q)?;
+            deformation.q.clone_from(&scratch.q);
             if self.is_moving {
                 transform.rotation = DQuat::from_array(motion.rotation).as_quat().normalize();
                 transform.translation = DVec3::from_array(motion.translation).as_vec3();
             }
             return Ok(());
         };
-        let pose = self.pose.as_mut().ok_or(SkeletonError::NoSkin)?;
+        let pose = scratch.pose(model)?;
         pose.play(clip, player.time_s)?;
         deformation.q.clear();
         deformation.q.extend_from_slice(pose.q());
@@ -202,6 +261,25 @@ impl ClipMemory {
         deformation.joints.extend(pose.joints().iter().map(affine));
         Ok(())
     }
+}
+
+/// Seconds of what is played.
+fn duration_s(model: &Model, clip: &ClipRef) -> Result<f64, ClipError> {
+    let asset = model.asset();
+    let Some(index) = index(model, clip)? else {
+        return asset.duration_s().ok_or(if asset.frame_count() == 0 {
+            ClipError::Frames(SampleError::NoFrames)
+        } else {
+            ClipError::Frames(SampleError::NoTimes)
+        });
+    };
+    let skeleton = asset.skeleton().ok_or(SkeletonError::NoSkin)?;
+    let count = skeleton.clip_count();
+    let clip = skeleton.clip(index).ok_or(SkeletonError::NoClip {
+        count,
+        found: index,
+    })?;
+    Ok(clip.duration_s())
 }
 
 /// The clip's number; `None` for frames.
@@ -217,5 +295,32 @@ fn index(model: &Model, clip: &ClipRef) -> Result<Option<usize>, ClipError> {
             let names: Vec<_> = skeleton.clips().map(|clip| clip.name()).collect();
             Err(ClipError::Name(name.clone(), format!("{names:?}")))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_skeleton_that_is_not_played_any_more_lets_its_model_go() {
+        let bytes = std::fs::read("../fixtures/golden/skinned.bdt").unwrap();
+        let model = Model::from_bytes(&bytes).unwrap();
+        let mut scratches = Scratches::default();
+        let kept = |scratches: &Scratches| {
+            let all = scratches.0.lock().unwrap();
+            all.iter().map(|one| one.skeletons.len()).sum::<usize>()
+        };
+        for _ in 0..3 {
+            scratches.start_frame();
+            for _ in 0..2 {
+                scratches.lend().scratch.pose(&model).unwrap();
+            }
+            assert_eq!(kept(&scratches), 1);
+        }
+        scratches.start_frame();
+        assert_eq!(kept(&scratches), 1, "of the frame before");
+        scratches.start_frame();
+        assert_eq!(kept(&scratches), 0);
     }
 }
