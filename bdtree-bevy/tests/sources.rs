@@ -441,6 +441,38 @@ fn entities_of_several_skeletons_play_side_by_side() {
     assert_ne!(poses[0].joints(), poses[1].joints());
 }
 
+/// Also of different numbers of modes, forwards and back.
+#[test]
+fn entities_of_several_animations_play_side_by_side() {
+    let models = [2, 6, 3].map(|modes| {
+        let mesh = bake::bumpy_sphere(7, 3);
+        let basis = bake::with_frames(bake::smooth_basis(&mesh, modes, 5), 6, 0.3, 8);
+        bake::baked(&mesh, &basis)
+    });
+    let mut app = app();
+    let entities: Vec<_> = (0..30)
+        .map(|k| {
+            let entity = spawn(&mut app, &models[k % 3], Transform::default());
+            app.world_mut().entity_mut(entity).insert(ClipPlayer {
+                clip: ClipRef::Frames,
+                time_s: 0.003 * k as f64,
+                ..Default::default()
+            });
+            entity
+        })
+        .collect();
+    pass(&mut app, 0.0);
+    pass(&mut app, 0.01);
+    for (k, entity) in entities.iter().enumerate() {
+        let asset = models[k % 3].asset();
+        let time = app.world().get::<ClipPlayer>(*entity).unwrap().time_s;
+        let mut expected = vec![0.0; asset.mode_count()];
+        asset.sample(time, &mut expected).unwrap();
+        assert!(expected.iter().any(|q| *q != 0.0));
+        assert_eq!(deformation(&mut app, *entity).q, expected, "{k}");
+    }
+}
+
 #[test]
 fn compressed_animations_are_played_with_their_motion() {
     let mut app = app();

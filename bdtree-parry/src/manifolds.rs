@@ -215,7 +215,7 @@ fn regions(
 ) {
     let mut found: Vec<Region> = Vec::new();
     let nearest = ask_pair(both, &pair.pos12, |query| {
-        // Nothing is near, of most pairs: one walk tells.
+        // Most pairs are not near; one walk finds that out.
         if !query.is_within(limit(prediction))? {
             return Ok(None);
         }

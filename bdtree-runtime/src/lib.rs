@@ -23,7 +23,8 @@
 //!
 //! | asked of two meshes | answer |
 //! |---|---|
-//! | [`PairQuery::contacts`], [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] | triangles that touch or are near |
+//! | [`PairQuery::contacts`], [`PairQuery::triangle_pairs`] | triangles that touch or are near |
+//! | [`PairQuery::intersects`], [`PairQuery::is_within`] | whether there are any |
 //! | [`PairQuery::closest_points`], [`PairQuery::distance`] | the nearest two triangles |
 //! | [`PairQuery::contact_manifolds`], [`PairQuery::condense`] | regions of contact with normal, area and depth |
 //! | [`PairQuery::level_spheres`] | pairs of lanes of two levels whose spheres are near, no triangles |

@@ -42,6 +42,7 @@ fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, s
         ..poses::random_transform(size, &mut rng)
     });
     places.iter_mut().for_each(|place| place.scale = 1.0);
+    let mut front_of_any = PairFront::new();
     let mut before: Option<[(Vec<f32>, Transform, Motion); 2]> = None;
     let mut tally = Tally::default();
     for step in 0..steps {
@@ -77,6 +78,11 @@ fn walk(asset: &Asset<'_>, slots: usize, gap: f64, speed: Speed, steps: usize, s
             .front(&mut front);
         query.triangle_pairs(tolerance, &mut with).unwrap();
         tally.visits_with += query.stats().nodes_visited;
+        let mut query = moving[0]
+            .against(&moving[1], &mut workspace)
+            .front(&mut front_of_any);
+        let is_near = query.is_within(tolerance).unwrap();
+        assert_eq!(is_near, !with.is_empty(), "step {step}");
         let mut query = now[0].against(&now[1], &mut workspace);
         query.triangle_pairs(tolerance, &mut without).unwrap();
         tally.visits_without += query.stats().nodes_visited;

@@ -207,6 +207,7 @@ fn every_query_error_is_triggered() {
         argument(query.cast_ray(&Ray::new(point, [1.0; 3])).err());
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
+        argument(query.is_within(bad).err());
         lane_pairs.clear();
         lane_triangles.clear();
         for [prediction, reach] in [[bad, 0.0], [0.0, bad]] {
@@ -241,6 +242,7 @@ fn every_query_error_is_triggered() {
         }
         let mut query = pose.against(&pose, &mut workspace);
         argument(query.contacts(bad, &mut pair_out).err());
+        argument(query.is_within(bad).err());
         lane_pairs.clear();
         lane_triangles.clear();
         for [prediction, reach] in [[bad, 0.0], [0.0, bad]] {

@@ -1,6 +1,6 @@
 //! Clips and animations that the file itself holds.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use bdtree_runtime::{AssetId, Model, SampleError, SkeletonError, SkeletonPose};
 use bevy_asset::Assets;
@@ -74,80 +74,83 @@ pub(crate) struct ClipMemory {
     is_moving: bool,
 }
 
-/// What playing takes, of each task: a pose of each entity's own would have to come from far memory, ten kilobytes for forty
-/// bones.
-#[derive(Debug, Default)]
-struct Scratch {
-    skeletons: Vec<Played>,
-    q: Vec<f32>,
-}
-
-/// A skeleton that is played.
+/// A skeleton's pose that entities are played in, one after the other.
 #[derive(Debug)]
 struct Played {
     asset: AssetId,
     pose: SkeletonPose,
-    /// In this frame.
-    is_used: bool,
+    /// Frames since it was last lent.
+    idle: u32,
 }
 
-impl Scratch {
-    /// The pose of a model's skeleton, made when it is first asked for.
+/// Frames that a pose is kept for unused: it keeps its model in memory.
+const IDLE_MAX: u32 = 60;
+
+/// Poses of the skeletons that are played, for as many tasks as have played one at once. With a pose for each entity, a thousand
+/// entities would have to fetch ten kilobytes each from outside the caches.
+#[derive(Debug, Default)]
+pub(crate) struct SkeletonPool(Mutex<Vec<Played>>);
+
+impl SkeletonPool {
+    /// Drops poses that have not been played for long.
+    fn start_frame(&mut self) {
+        let poses = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        poses.retain_mut(|one| {
+            one.idle += 1;
+            one.idle <= IDLE_MAX
+        });
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Played>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// For a task.
+    fn lend(&self) -> Lent<'_> {
+        Lent {
+            poses: Vec::new(),
+            q: Vec::new(),
+            pool: self,
+        }
+    }
+}
+
+/// What a task plays with; dropped, it gives its poses back to the pool.
+struct Lent<'p> {
+    poses: Vec<Played>,
+    q: Vec<f32>,
+    pool: &'p SkeletonPool,
+}
+
+impl Lent<'_> {
+    /// A pose of the model's skeleton.
     fn pose(&mut self, model: &Model) -> Result<&mut SkeletonPose, SkeletonError> {
         let asset = model.asset().id();
-        let found = self.skeletons.iter().position(|one| one.asset == asset);
-        let index = match found {
+        let is_its = |one: &Played| one.asset == asset;
+        let index = match self.poses.iter().position(is_its) {
             Some(index) => index,
             None => {
-                self.skeletons.push(Played {
-                    asset,
-                    pose: SkeletonPose::new(model)?,
-                    is_used: false,
+                let mut free = self.pool.lock();
+                let kept = free.iter().position(is_its).map(|k| free.swap_remove(k));
+                drop(free);
+                self.poses.push(match kept {
+                    Some(kept) => Played { idle: 0, ..kept },
+                    None => Played {
+                        asset,
+                        pose: SkeletonPose::new(model)?,
+                        idle: 0,
+                    },
                 });
-                self.skeletons.len() - 1
+                self.poses.len() - 1
             }
         };
-        let played = &mut self.skeletons[index];
-        played.is_used = true;
-        Ok(&mut played.pose)
+        Ok(&mut self.poses[index].pose)
     }
-}
-
-/// Kept from frame to frame, so that none allocates.
-#[derive(Debug, Default)]
-pub(crate) struct Scratches(Mutex<Vec<Scratch>>);
-
-impl Scratches {
-    /// Drops skeletons that the last frame has not played: they keep their models.
-    fn start_frame(&mut self) {
-        let all = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        for scratch in all {
-            scratch.skeletons.retain(|one| one.is_used);
-            for one in &mut scratch.skeletons {
-                one.is_used = false;
-            }
-        }
-    }
-
-    fn lend(&self) -> Lent<'_> {
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        Lent {
-            scratch: all.pop().unwrap_or_default(),
-            of: self,
-        }
-    }
-}
-
-/// What goes back when a task has ended.
-struct Lent<'s> {
-    scratch: Scratch,
-    of: &'s Scratches,
 }
 
 impl Drop for Lent<'_> {
     fn drop(&mut self) {
-        let mut all = self.of.0.lock().unwrap_or_else(PoisonError::into_inner);
-        all.push(std::mem::take(&mut self.scratch));
+        self.pool.lock().append(&mut self.poses);
     }
 }
 
@@ -177,13 +180,13 @@ pub(crate) fn play_clips(
         &mut Transform,
         &mut PoseFaults,
     )>,
-    mut scratches: Local<Scratches>,
+    mut pool: Local<SkeletonPool>,
 ) {
-    scratches.start_frame();
-    let scratches = &*scratches;
+    pool.start_frame();
+    let pool = &*pool;
     let passed = time.map_or(0.0, |time| time.delta_secs_f64());
     players.par_iter_mut().for_each_init(
-        || scratches.lend(),
+        || pool.lend(),
         |lent, (entity, mesh, mut player, mut memory, mut deformation, mut transform, mut faults)| {
             let Some(asset) = models.get(&mesh.0) else {
                 return;
@@ -195,8 +198,7 @@ pub(crate) fn play_clips(
             memory.start(&asset.model);
             let played = duration_s(&asset.model, &player.clip).and_then(|duration| {
                 player.time_s = moved_on(&player, passed, duration)?;
-                let scratch = &mut lent.scratch;
-                memory.play(&asset.model, &player, scratch, &mut deformation, &mut transform)
+                memory.play(&asset.model, &player, lent, &mut deformation, &mut transform)
             });
             PoseFaults::tell(&mut faults, entity, PoseStage::Clip, played);
         },
@@ -222,7 +224,7 @@ fn moved_on(player: &ClipPlayer, passed: f64, duration: f64) -> Result<f64, Clip
 }
 
 impl ClipMemory {
-    /// Looks at the model, unless it is the last one.
+    /// Finds out whether frames move, when the model has changed.
     fn start(&mut self, model: &Model) {
         let asset = model.asset();
         if self.asset == Some(asset.id()) {
@@ -239,21 +241,21 @@ impl ClipMemory {
         &self,
         model: &Model,
         player: &ClipPlayer,
-        scratch: &mut Scratch,
+        lent: &mut Lent<'_>,
         deformation: &mut Mut<'_, Deformation>,
         transform: &mut Mut<'_, Transform>,
     ) -> Result<(), ClipError> {
         let Some(clip) = index(model, &player.clip)? else {
-            scratch.q.resize(model.asset().mode_count(), 0.0);
-            let motion = model.asset().sample(player.time_s, &mut scratch.q)?;
-            deformation.q.clone_from(&scratch.q);
+            lent.q.resize(model.asset().mode_count(), 0.0);
+            let motion = model.asset().sample(player.time_s, &mut lent.q)?;
+            deformation.q.clone_from(&lent.q);
             if self.is_moving {
                 transform.rotation = DQuat::from_array(motion.rotation).as_quat().normalize();
                 transform.translation = DVec3::from_array(motion.translation).as_vec3();
             }
             return Ok(());
         };
-        let pose = scratch.pose(model)?;
+        let pose = lent.pose(model)?;
         pose.play(clip, player.time_s)?;
         deformation.q.clear();
         deformation.q.extend_from_slice(pose.q());
@@ -303,24 +305,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_skeleton_that_is_not_played_any_more_lets_its_model_go() {
+    fn poses_are_used_again_and_let_their_models_go() {
         let bytes = std::fs::read("../fixtures/golden/skinned.bdt").unwrap();
-        let model = Model::from_bytes(&bytes).unwrap();
-        let mut scratches = Scratches::default();
-        let kept = |scratches: &Scratches| {
-            let all = scratches.0.lock().unwrap();
-            all.iter().map(|one| one.skeletons.len()).sum::<usize>()
-        };
+        let models = [&bytes, &bytes].map(|bytes| Model::from_bytes(bytes).unwrap());
+        let mut pool = SkeletonPool::default();
+        let kept = |pool: &SkeletonPool| pool.lock().len();
         for _ in 0..3 {
-            scratches.start_frame();
-            for _ in 0..2 {
-                scratches.lend().scratch.pose(&model).unwrap();
-            }
-            assert_eq!(kept(&scratches), 1);
+            pool.start_frame();
+            // Two tasks at once, one of which plays both models; then one that plays the first alone.
+            let [mut first, mut second] = [pool.lend(), pool.lend()];
+            first.pose(&models[0]).unwrap();
+            second.pose(&models[0]).unwrap();
+            second.pose(&models[1]).unwrap();
+            second.pose(&models[0]).unwrap();
+            assert_eq!(kept(&pool), 0, "all are lent");
+            drop((first, second));
+            assert_eq!(kept(&pool), 3);
+            pool.lend().pose(&models[0]).unwrap();
+            assert_eq!(kept(&pool), 3);
         }
-        scratches.start_frame();
-        assert_eq!(kept(&scratches), 1, "of the frame before");
-        scratches.start_frame();
-        assert_eq!(kept(&scratches), 0);
+        for _ in 0..IDLE_MAX {
+            pool.start_frame();
+            pool.lend().pose(&models[1]).unwrap();
+            assert_eq!(kept(&pool), 3);
+        }
+        pool.start_frame();
+        assert_eq!(kept(&pool), 1, "the one that was played");
     }
 }

@@ -113,9 +113,9 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
     }
 
     /// Starts from the pairs of leaves that earlier steps found near each other: [`PairQuery::contacts`],
-    /// [`PairQuery::triangle_pairs`], [`PairQuery::intersects`] and [`PairQuery::contact_manifolds`] give the same
-    /// answers and visit no node until the two have moved by a margin. `intersects` of two meshes that touch ends early
-    /// and keeps no front; use `triangle_pairs` there.
+    /// [`PairQuery::triangle_pairs`], [`PairQuery::intersects`], [`PairQuery::is_within`] and
+    /// [`PairQuery::contact_manifolds`] give the same answers and visit no node until the two have moved by a margin.
+    /// `intersects` and `is_within` of two meshes that touch end early and keep no front; use `triangle_pairs` there.
     ///
     /// Both poses need a [`Motion`](crate::Motion): [`Instance`](crate::Instance) has one, other poses get theirs by
     /// [`Pose::moving`]. Without it these queries return [`QueryError::Motion`].
@@ -183,14 +183,15 @@ impl<'q, 'm, 'f> PairQuery<'q, 'm, 'f> {
         self.is_within(0.0)
     }
 
-    /// Whether any two triangles, one of each mesh, are at most `distance` apart, so that [`PairQuery::contacts`] would report
-    /// them: ends with the first pair that is found.
+    /// Whether any two triangles, one of each mesh, are at most `prediction` apart (world units, inclusive), so that
+    /// [`PairQuery::contacts`] would report them: ends with the first pair that is found.
     ///
     /// # Errors
-    /// Those of [`PairQuery::contacts`].
-    pub fn is_within(&mut self, distance: f64) -> Result<bool, QueryError> {
+    /// Those of [`PairQuery::contacts`]: a prediction has to be finite. [`QueryError::Proxies`] if nothing was found and a sink of
+    /// proxies is full.
+    pub fn is_within(&mut self, prediction: f64) -> Result<bool, QueryError> {
         let mut first = First::default();
-        self.triangle_pairs(distance, &mut first)?;
+        self.triangle_pairs(prediction, &mut first)?;
         if !first.is_found && self.sides.iter().any(Side::is_cut) {
             return Err(QueryError::Proxies);
         }

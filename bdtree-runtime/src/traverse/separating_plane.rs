@@ -158,8 +158,8 @@ impl<'p, 's> Side<'p, 's> {
         Ok(sum.map(|x| x / count))
     }
 
-    /// How far a corner is along a direction: always into the lane that reaches farthest, counting half of
-    /// its radius.
+    /// The height along a direction of the highest corner of one leaf: descends into the lane that reaches farthest, counting half
+    /// of its radius.
     #[inline(always)]
     fn climb<L: Lanes>(&mut self, direction: [f32; 3]) -> Result<f32, QueryError> {
         let mut top = f32::NEG_INFINITY;
