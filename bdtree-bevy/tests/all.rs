@@ -8,6 +8,7 @@ mod avian;
 mod bounds;
 #[cfg(any(feature = "avian", feature = "rapier"))]
 mod chair;
+mod clips;
 mod common;
 mod contacts;
 #[cfg(feature = "render")]

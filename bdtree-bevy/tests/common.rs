@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use bdtree_bevy::bdtree_runtime::{Instance, Model, SkeletonPose, joint};
+use bdtree_bevy::bdtree_runtime::{Instance, Model, SkeletonPose, VertexId, joint};
 use bdtree_bevy::{
     BdtModel, BdtreePlugin, Deformation, DeformedInstance, DeformingMesh, PoseFaults,
 };
@@ -144,4 +144,18 @@ pub(crate) fn random_place(spread: f64, rng: &mut Pcg64Mcg) -> Transform {
         rotation: Quat::from_array(at.rotation.map(|x| x as f32)).normalize(),
         scale: Vec3::splat(at.scale as f32),
     }
+}
+
+/// The difference between where two instances put the same vertices, at most.
+pub(crate) fn apart(a: &Instance, b: &Instance) -> f64 {
+    let (a, b) = (a.snapshot(), b.snapshot());
+    (0..a.asset().vertex_count() as u32)
+        .map(|i| {
+            let (p, q) = (
+                a.deformed(VertexId(i)).unwrap(),
+                b.deformed(VertexId(i)).unwrap(),
+            );
+            (0..3).map(|k| (p[k] - q[k]).abs()).fold(0.0, f64::max)
+        })
+        .fold(0.0, f64::max)
 }

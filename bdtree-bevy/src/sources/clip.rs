@@ -1,8 +1,6 @@
 //! Clips and animations that the file itself holds.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-use bdtree_runtime::{AssetId, Model, SampleError, SkeletonError, SkeletonPose};
+use bdtree_runtime::{AssetId, Model, SampleError, SkeletonError};
 use bevy_asset::Assets;
 use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectComponent;
@@ -11,12 +9,14 @@ use bevy_reflect::Reflect;
 use bevy_reflect::std_traits::ReflectDefault;
 use bevy_time::Time;
 use bevy_transform::components::Transform;
+use bevy_utils::Parallel;
 use thiserror::Error;
 
 use crate::asset::BdtModel;
 use crate::faults::{PoseFaults, PoseStage};
 use crate::placement::affine;
 use crate::pose::{Deformation, DeformingMesh};
+use crate::sources::scratch::Scratch;
 
 /// Plays a clip of the skeleton, or the animation, that is in the entity's own file: writes q and, of a clip, the joints of
 /// its [`Deformation`], in [`BdtreeSystems::Play`](crate::BdtreeSystems::Play).
@@ -74,86 +74,6 @@ pub(crate) struct ClipMemory {
     is_moving: bool,
 }
 
-/// A skeleton's pose that entities are played in, one after the other.
-#[derive(Debug)]
-struct Played {
-    asset: AssetId,
-    pose: SkeletonPose,
-    /// Frames since it was last lent.
-    idle: u32,
-}
-
-/// Frames that a pose is kept for unused: it keeps its model in memory.
-const IDLE_MAX: u32 = 60;
-
-/// Poses of the skeletons that are played, for as many tasks as have played one at once. With a pose for each entity, a thousand
-/// entities would have to fetch ten kilobytes each from outside the caches.
-#[derive(Debug, Default)]
-pub(crate) struct SkeletonPool(Mutex<Vec<Played>>);
-
-impl SkeletonPool {
-    /// Drops poses that have not been played for long.
-    fn start_frame(&mut self) {
-        let poses = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
-        poses.retain_mut(|one| {
-            one.idle += 1;
-            one.idle <= IDLE_MAX
-        });
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Vec<Played>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// For a task.
-    fn lend(&self) -> Lent<'_> {
-        Lent {
-            poses: Vec::new(),
-            q: Vec::new(),
-            pool: self,
-        }
-    }
-}
-
-/// What a task plays with; dropped, it gives its poses back to the pool.
-struct Lent<'p> {
-    poses: Vec<Played>,
-    q: Vec<f32>,
-    pool: &'p SkeletonPool,
-}
-
-impl Lent<'_> {
-    /// A pose of the model's skeleton.
-    fn pose(&mut self, model: &Model) -> Result<&mut SkeletonPose, SkeletonError> {
-        let asset = model.asset().id();
-        let is_its = |one: &Played| one.asset == asset;
-        let index = match self.poses.iter().position(is_its) {
-            Some(index) => index,
-            None => {
-                let mut free = self.pool.lock();
-                let kept = free.iter().position(is_its).map(|k| free.swap_remove(k));
-                drop(free);
-                self.poses.push(match kept {
-                    Some(kept) => Played { idle: 0, ..kept },
-                    None => Played {
-                        asset,
-                        pose: SkeletonPose::new(model)?,
-                        idle: 0,
-                    },
-                });
-                self.poses.len() - 1
-            }
-        };
-        Ok(&mut self.poses[index].pose)
-    }
-}
-
-impl Drop for Lent<'_> {
-    fn drop(&mut self) {
-        self.pool.lock().append(&mut self.poses);
-    }
-}
-
 /// Why a clip cannot be played.
 #[derive(Debug, Error)]
 enum ClipError {
@@ -180,14 +100,14 @@ pub(crate) fn play_clips(
         &mut Transform,
         &mut PoseFaults,
     )>,
-    mut pool: Local<SkeletonPool>,
+    mut scratches: Local<Parallel<Scratch>>,
 ) {
-    pool.start_frame();
-    let pool = &*pool;
+    scratches.iter_mut().for_each(Scratch::start_frame);
+    let scratches = &*scratches;
     let passed = time.map_or(0.0, |time| time.delta_secs_f64());
     players.par_iter_mut().for_each_init(
-        || pool.lend(),
-        |lent, (entity, mesh, mut player, mut memory, mut deformation, mut transform, mut faults)| {
+        || scratches.borrow_local_mut(),
+        |scratch, (entity, mesh, mut player, mut memory, mut deformation, mut transform, mut faults)| {
             let Some(asset) = models.get(&mesh.0) else {
                 return;
             };
@@ -198,7 +118,7 @@ pub(crate) fn play_clips(
             memory.start(&asset.model);
             let played = duration_s(&asset.model, &player.clip).and_then(|duration| {
                 player.time_s = moved_on(&player, passed, duration)?;
-                memory.play(&asset.model, &player, lent, &mut deformation, &mut transform)
+                memory.play(&asset.model, &player, scratch, &mut deformation, &mut transform)
             });
             PoseFaults::tell(&mut faults, entity, PoseStage::Clip, played);
         },
@@ -241,21 +161,21 @@ impl ClipMemory {
         &self,
         model: &Model,
         player: &ClipPlayer,
-        lent: &mut Lent<'_>,
+        scratch: &mut Scratch,
         deformation: &mut Mut<'_, Deformation>,
         transform: &mut Mut<'_, Transform>,
     ) -> Result<(), ClipError> {
         let Some(clip) = index(model, &player.clip)? else {
-            lent.q.resize(model.asset().mode_count(), 0.0);
-            let motion = model.asset().sample(player.time_s, &mut lent.q)?;
-            deformation.q.clone_from(&lent.q);
+            scratch.q.resize(model.asset().mode_count(), 0.0);
+            let motion = model.asset().sample(player.time_s, &mut scratch.q)?;
+            deformation.q.clone_from(&scratch.q);
             if self.is_moving {
                 transform.rotation = DQuat::from_array(motion.rotation).as_quat().normalize();
                 transform.translation = DVec3::from_array(motion.translation).as_vec3();
             }
             return Ok(());
         };
-        let pose = lent.pose(model)?;
+        let pose = scratch.pose(model)?;
         pose.play(clip, player.time_s)?;
         deformation.q.clear();
         deformation.q.extend_from_slice(pose.q());
@@ -297,39 +217,5 @@ fn index(model: &Model, clip: &ClipRef) -> Result<Option<usize>, ClipError> {
             let names: Vec<_> = skeleton.clips().map(|clip| clip.name()).collect();
             Err(ClipError::Name(name.clone(), format!("{names:?}")))
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn poses_are_used_again_and_let_their_models_go() {
-        let bytes = std::fs::read("../fixtures/golden/skinned.bdt").unwrap();
-        let models = [&bytes, &bytes].map(|bytes| Model::from_bytes(bytes).unwrap());
-        let mut pool = SkeletonPool::default();
-        let kept = |pool: &SkeletonPool| pool.lock().len();
-        for _ in 0..3 {
-            pool.start_frame();
-            // Two tasks at once, one of which plays both models; then one that plays the first alone.
-            let [mut first, mut second] = [pool.lend(), pool.lend()];
-            first.pose(&models[0]).unwrap();
-            second.pose(&models[0]).unwrap();
-            second.pose(&models[1]).unwrap();
-            second.pose(&models[0]).unwrap();
-            assert_eq!(kept(&pool), 0, "all are lent");
-            drop((first, second));
-            assert_eq!(kept(&pool), 3);
-            pool.lend().pose(&models[0]).unwrap();
-            assert_eq!(kept(&pool), 3);
-        }
-        for _ in 0..IDLE_MAX {
-            pool.start_frame();
-            pool.lend().pose(&models[1]).unwrap();
-            assert_eq!(kept(&pool), 3);
-        }
-        pool.start_frame();
-        assert_eq!(kept(&pool), 1, "the one that was played");
     }
 }

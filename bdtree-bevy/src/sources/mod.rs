@@ -3,6 +3,7 @@
 mod clip;
 mod joints;
 mod morphs;
+mod scratch;
 
 pub use clip::{ClipPlayer, ClipRef};
 pub use joints::{JointOrder, PoseFromJoints};
